@@ -1,0 +1,182 @@
+//! Settings of a world, and the named constants behind its defaults.
+
+use crate::error::Error;
+use crate::math::Vec3;
+use crate::validate;
+use bytemuck::{Pod, Zeroable};
+
+/// Version of the bits: changes whenever the same snapshot and commands would give other states.
+pub const BEHAVIOUR_VERSION: u32 = 1;
+
+/// Edge of a sector, metres. A power of two, so that moving by whole sectors changes no bit; 64 keeps the
+/// offset's last bit at 4 micrometres.
+pub const SECTOR_SIZE: f32 = 64.0;
+/// A body changes its sector when its offset exceeds this, metres: half a sector and a little more, so that a
+/// body that rests on the border does not flip between two sectors.
+pub const SECTOR_REACH: f32 = 33.0;
+/// Greatest sector coordinate: 3.4e10 m from the origin. Bodies that leave are quarantined.
+pub const SECTOR_MAX: i32 = 1 << 29;
+
+/// Contacts are found up to this distance, metres, so that a body is stopped at a surface and not behind it.
+/// Four times the slop of the peers: a resting contact must not vanish by jitter.
+pub const SPECULATIVE_DISTANCE: f32 = 0.02;
+/// Boxes in the broadphase are larger than their shapes by this, metres, so that most steps move none.
+pub const BOX_MARGIN: f32 = 0.05;
+/// Contact frequency times substep length: 30 Hz at four substeps of 1/60 s. Below 0.2, where the sweeps
+/// begin to ring.
+pub const CONTACT_COUPLING: f32 = 0.125;
+/// Damping ratio of soft contacts: far over critical, since a contact must not swing.
+pub const CONTACT_DAMPING_RATIO: f32 = 10.0;
+/// Contacts with immovable bodies are stiffer by this factor in frequency: there the load is highest.
+pub const STATIC_STIFFNESS: f32 = 2.0;
+/// Fastest push-out of overlap, metres per second: deep overlap must not become an explosion.
+pub const PUSH_SPEED: f32 = 3.0;
+/// Approach below which nothing bounces, metres per second: about the speed that gravity gives in a few steps.
+pub const RESTITUTION_THRESHOLD: f32 = 0.5;
+/// Share of the overlap that a rigid contact (no softness) removes per substep.
+pub const RIGID_PUSH: f32 = 0.2;
+/// Fastest linear motion, metres per second: capped and reported.
+pub const LINEAR_SPEED_MAX: f32 = 1.0e6;
+/// Largest rotation of a body in one substep, radians: 256 splits of 0.3; faster spin is capped and reported.
+pub const TURN_MAX: f32 = 76.8;
+/// Target number of links of a block. With fewer the last phases percolate, with more there are fewer blocks
+/// than lanes.
+pub const BLOCK_LINKS: u32 = 64;
+
+/// Everything that a step needs beside bodies and shapes. Part of the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Length of a step, seconds, in `0..=0.25`. 0 makes steps that change nothing but the step count.
+    pub dt: f32,
+    /// Acceleration of all dynamic bodies, m/s2; each component at most 1e6 in size.
+    pub gravity: Vec3,
+    /// Parts of a step that are solved and integrated one after the other, `1..=256`.
+    pub substeps: u32,
+    /// Sweeps with position correction per substep, `1..=1024`.
+    pub sweeps: u32,
+    /// Sweeps without position correction per substep, `0..=1024`: they take back the velocity that the
+    /// correction left.
+    pub relax_sweeps: u32,
+    /// Soft contacts, or rigid ones (plain projected Gauss-Seidel).
+    pub contact_model: ContactModel,
+    /// Contact frequency, Hz, in `0..=1e5`; 0 follows the substep rate as [`CONTACT_COUPLING`] per substep.
+    pub contact_frequency: f32,
+    /// Damping ratio of soft contacts, `0..=1000`.
+    pub contact_damping_ratio: f32,
+    /// Fastest push-out of overlap, m/s, `0..=1e4`.
+    pub push_speed: f32,
+    /// Approach speed below which nothing bounces, m/s, `0..=1e4`.
+    pub restitution_threshold: f32,
+    /// Target number of links of a block, `8..=4096`.
+    pub block_links: u32,
+}
+
+/// How a contact removes overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactModel {
+    /// A damped spring: sinks by the stiffness law, never explodes.
+    Soft,
+    /// No softness: a share [`RIGID_PUSH`] of the overlap per substep.
+    Rigid,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            dt: 1.0 / 60.0,
+            gravity: Vec3::new(0.0, 0.0, -9.81),
+            substeps: 4,
+            sweeps: 1,
+            relax_sweeps: 1,
+            contact_model: ContactModel::Soft,
+            contact_frequency: 0.0,
+            contact_damping_ratio: CONTACT_DAMPING_RATIO,
+            push_speed: PUSH_SPEED,
+            restitution_threshold: RESTITUTION_THRESHOLD,
+            block_links: BLOCK_LINKS,
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses numbers that are not finite or out of the documented ranges.
+    pub fn check(&self) -> Result<(), Error> {
+        validate::in_range("dt", self.dt, 0.0, 0.25)?;
+        validate::vector_within("gravity", self.gravity, 1.0e6)?;
+        validate::count_in_range("substeps", self.substeps, 1, 256)?;
+        validate::count_in_range("sweeps", self.sweeps, 1, 1024)?;
+        validate::count_in_range("relax_sweeps", self.relax_sweeps, 0, 1024)?;
+        validate::in_range("contact_frequency", self.contact_frequency, 0.0, 1.0e5)?;
+        validate::in_range("contact_damping_ratio", self.contact_damping_ratio, 0.0, 1.0e3)?;
+        validate::in_range("push_speed", self.push_speed, 0.0, 1.0e4)?;
+        validate::in_range("restitution_threshold", self.restitution_threshold, 0.0, 1.0e4)?;
+        validate::count_in_range("block_links", self.block_links, 8, 4096)
+    }
+
+    /// Length of a substep, seconds.
+    pub fn substep(&self) -> f32 {
+        self.dt / self.substeps as f32
+    }
+}
+
+/// [`Settings`] as bytes of the state.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct SettingsRow {
+    dt: f32,
+    gravity: Vec3,
+    substeps: u32,
+    sweeps: u32,
+    relax_sweeps: u32,
+    contact_model: u32,
+    contact_frequency: f32,
+    contact_damping_ratio: f32,
+    push_speed: f32,
+    restitution_threshold: f32,
+    block_links: u32,
+    reserved: [u32; 3],
+}
+
+impl From<&Settings> for SettingsRow {
+    fn from(s: &Settings) -> Self {
+        Self {
+            dt: s.dt,
+            gravity: s.gravity,
+            substeps: s.substeps,
+            sweeps: s.sweeps,
+            relax_sweeps: s.relax_sweeps,
+            contact_model: s.contact_model as u32,
+            contact_frequency: s.contact_frequency,
+            contact_damping_ratio: s.contact_damping_ratio,
+            push_speed: s.push_speed,
+            restitution_threshold: s.restitution_threshold,
+            block_links: s.block_links,
+            reserved: [0; 3],
+        }
+    }
+}
+
+impl SettingsRow {
+    /// The settings; `None` when the row was not made by [`SettingsRow::from`].
+    pub(crate) fn read(&self) -> Option<Settings> {
+        let contact_model = match self.contact_model {
+            0 => ContactModel::Soft,
+            1 => ContactModel::Rigid,
+            _ => return None,
+        };
+        let settings = Settings {
+            dt: self.dt,
+            gravity: self.gravity,
+            substeps: self.substeps,
+            sweeps: self.sweeps,
+            relax_sweeps: self.relax_sweeps,
+            contact_model,
+            contact_frequency: self.contact_frequency,
+            contact_damping_ratio: self.contact_damping_ratio,
+            push_speed: self.push_speed,
+            restitution_threshold: self.restitution_threshold,
+            block_links: self.block_links,
+        };
+        (settings.check().is_ok() && self.reserved == [0; 3]).then_some(settings)
+    }
+}

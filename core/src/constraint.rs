@@ -1,0 +1,4 @@
+//! Rows and their projection: pure math, which knows no world.
+
+pub(crate) mod contact;
+pub(crate) mod row;

@@ -1,0 +1,338 @@
+//! Projected Gauss-Seidel on contacts, eight lanes at once (SEED S9 to S12).
+//!
+//! Every update is used at once and clamped to its bounds: `lambda >= 0` along the normal, a disc
+//! `|lambda_t| <= mu sum(lambda_n)` for the tangents of the patch, and the same times the patch's radius for the
+//! twist. Friction comes before the normals, whose errors are the visible ones.
+//!
+//! Legend: `va, wa, ma` are velocity, whitened angular velocity and inverse mass of body A; `n` the normal, `t`
+//! and `s` the tangents; `h` the substep.
+
+use super::row::{LinkRow, PointRow};
+use crate::lanes::{LANES, Lane, LaneVec, Mask, transpose};
+use crate::pipeline::seat::Seat;
+
+/// What a sweep does at each row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// Applies the impulses of the step before.
+    Warm,
+    /// Solves velocities with position correction.
+    Biased,
+    /// Follows the bodies' motion of this substep, then solves velocities without correction.
+    Relax,
+    /// Solves velocities without correction.
+    RelaxAgain,
+    /// Follows the bodies' motion only.
+    Follow,
+    /// Gives bouncing points their speed.
+    Bounce,
+}
+
+/// Numbers that all rows of a sweep share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sweep {
+    pub pass: Pass,
+    /// Substep, seconds.
+    pub substep: f32,
+    /// Fastest push-out, m/s.
+    pub push_speed: f32,
+    /// Approach below which nothing bounces, m/s.
+    pub restitution_threshold: f32,
+}
+
+/// Velocities of the two bodies of each lane.
+struct Velocities {
+    va: LaneVec,
+    wa: LaneVec,
+    vb: LaneVec,
+    wb: LaneVec,
+    /// Inverse masses along the axes: equal unless an axis is locked.
+    ma: LaneVec,
+    mb: LaneVec,
+    /// Inverse mass and locks, as they stand in the seats.
+    rest_a: [Lane; 2],
+    rest_b: [Lane; 2],
+}
+
+/// Visits all rows of a group in their order.
+pub(crate) fn visit(sweep: &Sweep, rows: &mut [LinkRow], points: &mut [PointRow], seats: &mut [Seat]) {
+    let mut rest = points;
+    for row in rows {
+        let (points, after) = rest.split_at_mut(row.points as usize);
+        rest = after;
+        visit_row(sweep, row, points, seats);
+    }
+}
+
+fn visit_row(sweep: &Sweep, row: &mut LinkRow, points: &mut [PointRow], seats: &mut [Seat]) {
+    if matches!(sweep.pass, Pass::Relax | Pass::Follow) {
+        follow(row, points, seats, sweep.substep);
+        if sweep.pass == Pass::Follow {
+            return;
+        }
+    }
+    if sweep.pass == Pass::Bounce && row.bounces == 0 {
+        return;
+    }
+    let shift = Shift::of(row);
+    let mut u = Velocities::gather(row, seats);
+    match sweep.pass {
+        Pass::Warm => warm(&mut u, row, points),
+        Pass::Bounce => bounce(&mut u, row, points, &shift),
+        _ => {
+            solve_friction(&mut u, row, points, &shift);
+            solve_normals(&mut u, row, points, (sweep, &shift));
+        }
+    }
+    u.scatter(row, seats);
+}
+
+/// How B's jacobians change because the point of contact went with A: `r = r0 - slide`, so
+/// `W (r x d) = W (r0 x d) + W (d x slide)` for a direction d.
+struct Shift {
+    normal: LaneVec,
+    first: LaneVec,
+    second: LaneVec,
+    /// Lanes that slid far enough to matter.
+    slides: Mask,
+    any: bool,
+}
+
+impl Shift {
+    #[inline(always)]
+    fn of(row: &LinkRow) -> Self {
+        let slides = row.slide.dot(row.slide).greater(row.slide_min);
+        let mut shift =
+            Self { normal: LaneVec::ZERO, first: LaneVec::ZERO, second: LaneVec::ZERO, slides, any: slides.any() };
+        if shift.any {
+            let turn = |direction: LaneVec| root_times(&row.root_b, direction.cross(row.slide));
+            shift.normal = turn(row.normal);
+            shift.first = turn(row.tangent);
+            shift.second = turn(row.normal.cross(row.tangent));
+        }
+        shift
+    }
+
+    /// A lane's result depends on that lane alone: `any` only saves work.
+    #[inline(always)]
+    fn apply(&self, jacobian: LaneVec, change: LaneVec) -> LaneVec {
+        if !self.any {
+            return jacobian;
+        }
+        let sum = jacobian + change;
+        LaneVec::new(
+            self.slides.select(sum.x, jacobian.x),
+            self.slides.select(sum.y, jacobian.y),
+            self.slides.select(sum.z, jacobian.z),
+        )
+    }
+}
+
+/// A symmetric matrix (diagonal, then xy, xz, yz) times a vector.
+#[inline(always)]
+fn root_times(root: &[LaneVec; 2], v: LaneVec) -> LaneVec {
+    let [d, o] = root;
+    LaneVec::new(
+        d.x * v.x + o.x * v.y + o.y * v.z,
+        o.x * v.x + d.y * v.y + o.z * v.z,
+        o.y * v.x + o.z * v.y + d.z * v.z,
+    )
+}
+
+impl Velocities {
+    #[inline(always)]
+    fn gather(row: &LinkRow, seats: &[Seat]) -> Self {
+        let a = transpose(core::array::from_fn(|i| seats[row.seats_a[i] as usize].velocity));
+        let b = transpose(core::array::from_fn(|i| seats[row.seats_b[i] as usize].velocity));
+        let (ma, mb) = if row.locked == 0 {
+            (LaneVec::new(a[3], a[3], a[3]), LaneVec::new(b[3], b[3], b[3]))
+        } else {
+            (free_axes(a[7]).times(a[3]), free_axes(b[7]).times(b[3]))
+        };
+        Self {
+            va: LaneVec::new(a[0], a[1], a[2]),
+            wa: LaneVec::new(a[4], a[5], a[6]),
+            vb: LaneVec::new(b[0], b[1], b[2]),
+            wb: LaneVec::new(b[4], b[5], b[6]),
+            ma,
+            mb,
+            rest_a: [a[3], a[7]],
+            rest_b: [b[3], b[7]],
+        }
+    }
+
+    #[inline(always)]
+    fn scatter(&self, row: &LinkRow, seats: &mut [Seat]) {
+        // Each body is in one lane only, and scratch seats are the lane's own: no write meets another.
+        let (va, wa, [m, l]) = (self.va, self.wa, self.rest_a);
+        let a = transpose([va.x, va.y, va.z, m, wa.x, wa.y, wa.z, l]);
+        let (vb, wb, [m, l]) = (self.vb, self.wb, self.rest_b);
+        let b = transpose([vb.x, vb.y, vb.z, m, wb.x, wb.y, wb.z, l]);
+        for i in 0..LANES {
+            seats[row.seats_a[i] as usize].velocity = a[i];
+            seats[row.seats_b[i] as usize].velocity = b[i];
+        }
+    }
+
+    /// Rate of the row with direction `d` and jacobians `ja`, `jb`.
+    #[inline(always)]
+    fn rate(&self, d: LaneVec, ja: LaneVec, jb: LaneVec) -> Lane {
+        d.dot(self.vb - self.va) + (jb.dot(self.wb) - ja.dot(self.wa))
+    }
+
+    /// Applies the impulse `x` of that row: on B along `d`, on A against it.
+    #[inline(always)]
+    fn apply(&mut self, d: LaneVec, (ja, jb): (LaneVec, LaneVec), x: Lane) {
+        let p = d.times(x);
+        self.va = self.va - p.each_times(self.ma);
+        self.vb = self.vb + p.each_times(self.mb);
+        self.wa = self.wa - ja.times(x);
+        self.wb = self.wb + jb.times(x);
+    }
+
+    /// Applies a pure torque impulse `x` about a shared axis.
+    #[inline(always)]
+    fn apply_torque(&mut self, ja: LaneVec, jb: LaneVec, x: Lane) {
+        self.wa = self.wa - ja.times(x);
+        self.wb = self.wb + jb.times(x);
+    }
+}
+
+/// 1 for each axis along which a body moves, 0 for a locked one; locks are a number, x + 2 y + 4 z.
+#[inline(always)]
+fn free_axes(locks: Lane) -> LaneVec {
+    let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
+    let z = locks.greater(Lane::splat(3.5));
+    let locks = locks - z.select(Lane::splat(4.0), zero);
+    let y = locks.greater(Lane::splat(1.5));
+    let locks = locks - y.select(Lane::splat(2.0), zero);
+    let x = locks.greater(Lane::splat(0.5));
+    LaneVec::new(x.select(zero, one), y.select(zero, one), z.select(zero, one))
+}
+
+/// Brings separations and the slide to the end of the substep.
+fn follow(row: &mut LinkRow, points: &mut [PointRow], seats: &[Seat], substep: f32) {
+    let shift = Shift::of(row);
+    let a = transpose(core::array::from_fn(|i| seats[row.seats_a[i] as usize].moved));
+    let b = transpose(core::array::from_fn(|i| seats[row.seats_b[i] as usize].moved));
+    let moved = LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    let (ta, tb) = (LaneVec::new(a[4], a[5], a[6]), LaneVec::new(b[4], b[5], b[6]));
+    let along = row.normal.dot(moved);
+    let h = Lane::splat(substep);
+    for point in points {
+        let jb = shift.apply(point.normal_b, shift.normal);
+        let turned = jb.dot(tb) - point.normal_a.dot(ta);
+        point.separation = point.separation + (along + turned + point.surface * h);
+    }
+    // Against an immovable body the point rides on the moving one: its arm stays.
+    row.slide = row.slide + moved;
+}
+
+fn warm(u: &mut Velocities, row: &LinkRow, points: &[PointRow]) {
+    let second = row.normal.cross(row.tangent);
+    for point in points {
+        u.apply(row.normal, (point.normal_a, point.normal_b), point.impulse);
+    }
+    u.apply(row.tangent, (row.first_a, row.first_b), row.first_impulse);
+    u.apply(second, (row.second_a, row.second_b), row.second_impulse);
+    u.apply_torque(row.twist_a, row.twist_b, row.twist_impulse);
+}
+
+/// The tangents as one disc, then the twist.
+#[inline(always)]
+fn solve_friction(u: &mut Velocities, row: &mut LinkRow, points: &[PointRow], shift: &Shift) {
+    let load = points.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse);
+    let limit = row.friction * load;
+    let second = row.normal.cross(row.tangent);
+    let first_b = shift.apply(row.first_b, shift.first);
+    let second_b = shift.apply(row.second_b, shift.second);
+
+    let x = row.first_impulse - row.friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
+    let y = row.second_impulse - row.friction_mass * (u.rate(second, row.second_a, second_b) + row.surface.y);
+    let size = (x * x + y * y).sqrt();
+    let outside = size.greater(limit);
+    let scale = outside.select(limit / outside.select(size, Lane::splat(1.0)), Lane::splat(1.0));
+    let x = (x * scale).finite_or(row.first_impulse).flushed();
+    let y = (y * scale).finite_or(row.second_impulse).flushed();
+    u.apply(row.tangent, (row.first_a, first_b), x - row.first_impulse);
+    u.apply(second, (row.second_a, second_b), y - row.second_impulse);
+    (row.first_impulse, row.second_impulse) = (x, y);
+
+    let limit = limit * row.radius;
+    let rate = row.twist_b.dot(u.wb) - row.twist_a.dot(u.wa) + row.surface.z;
+    let z = row.twist_impulse - row.twist_mass * rate;
+    let z = z.least(limit).greatest(-limit).finite_or(row.twist_impulse).flushed();
+    u.apply_torque(row.twist_a, row.twist_b, z - row.twist_impulse);
+    row.twist_impulse = z;
+}
+
+#[inline(always)]
+fn solve_normals(
+    u: &mut Velocities,
+    row: &LinkRow,
+    points: &mut [PointRow],
+    (sweep, shift): (&Sweep, &Shift),
+) {
+    let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
+    let per_substep = Lane::splat(1.0 / sweep.substep);
+    let push_limit = Lane::splat(-sweep.push_speed);
+    let biased = sweep.pass == Pass::Biased;
+    for point in points {
+        let jb = shift.apply(point.normal_b, shift.normal);
+        let rate = u.rate(row.normal, point.normal_a, jb) + point.surface;
+        let s = point.separation;
+        let apart = s.greater(zero);
+        // Apart, the point may close the gap in this substep, but not more. Overlapping, a spring pushes.
+        let (bias, mass_scale, impulse_scale) = if biased {
+            let push = (s * row.bias_rate).greatest(push_limit);
+            (
+                apart.select(s * per_substep, push),
+                apart.select(one, row.mass_scale),
+                apart.select(zero, row.impulse_scale),
+            )
+        } else {
+            (apart.select(s * per_substep, zero), one, zero)
+        };
+        let change = point.mass * mass_scale * (rate + bias) + impulse_scale * point.impulse;
+        let x = (point.impulse - change).greatest(zero).finite_or(point.impulse).flushed();
+        if row.bounces != 0 && biased {
+            record_bounce(row, point, rate, x, sweep);
+        }
+        u.apply(row.normal, (point.normal_a, jb), x - point.impulse);
+        point.impulse = x;
+    }
+}
+
+/// Fixes the speed at which a point will leave, when it presses for the first time in this step.
+///
+/// Symplectic Euler conserves `H = v^2/2 - a s + a h v/2` in free flight along the normal (acceleration a, height
+/// s), so the speed after the bounce is the one with `e^2 H`: apexes then keep their height whatever the substep.
+fn record_bounce(row: &LinkRow, point: &mut PointRow, rate: Lane, impulse: Lane, sweep: &Sweep) {
+    let (zero, half) = (Lane::ZERO, Lane::splat(0.5));
+    let fast = rate.less(Lane::splat(-sweep.restitution_threshold));
+    let pressed = impulse.greater(zero).and(row.restitution.greater(zero));
+    let unset = point.bounce.less(Lane::splat(f32::MIN_POSITIVE));
+    // push = a h; the velocity before this substep's push is rate - push.
+    let before = rate - row.push;
+    let per_substep = Lane::splat(1.0 / sweep.substep);
+    let energy = half * before * before - row.push * per_substep * point.separation.greatest(zero)
+        + half * row.push * before;
+    let e2 = row.restitution * row.restitution;
+    let quarter = Lane::splat(0.25) * row.push * row.push;
+    let speed = (quarter + (e2 + e2) * energy.greatest(zero)).sqrt() - half * row.push;
+    let record = fast.and(pressed).and(unset);
+    point.bounce = record.select(speed.finite_or(zero), point.bounce);
+}
+
+fn bounce(u: &mut Velocities, row: &LinkRow, points: &mut [PointRow], shift: &Shift) {
+    let zero = Lane::ZERO;
+    for point in points {
+        let jb = shift.apply(point.normal_b, shift.normal);
+        let rate = u.rate(row.normal, point.normal_a, jb) + point.surface;
+        let wanted = point.impulse - point.mass * (rate - point.bounce);
+        let x = wanted.greatest(zero).finite_or(point.impulse).flushed();
+        let x = point.bounce.greater(zero).select(x, point.impulse);
+        u.apply(row.normal, (point.normal_a, jb), x - point.impulse);
+        point.impulse = x;
+    }
+}

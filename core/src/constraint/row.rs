@@ -1,0 +1,93 @@
+//! The rows of contacts in solver order, eight lanes wide.
+//!
+//! A row says `J u`, the rate of one relative coordinate of two bodies (SEED S5), with bounds on its impulse. The
+//! talk writes `w = n . (va - vb)`; here `n` points from A to B and the rate is `n . (vb - va)`, which is the same
+//! with A and B exchanged.
+//!
+//! Angular velocity is *whitened*: the seats hold `w~` with `w = W w~` and `W W = inverse inertia` (W symmetric,
+//! fixed for the step), so
+//! ```text
+//! J u      = n . (vb - va) + jb . wb~ - ja . wa~        with j = W (r x n)
+//! J M^-1 Jt = 1/ma + 1/mb + ja . ja + jb . jb
+//! ```
+//! and a row holds no inertia. `ma` comes with the seat. Body A of a link is always dynamic; an immovable B has
+//! `jb = 0`, a scratch seat of zeros, and its surface's speed in the row.
+
+use crate::lanes::{LANES, Lane, LaneVec};
+use bytemuck::{Pod, Zeroable};
+
+/// What the points of up to eight links share: one link in each lane.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct LinkRow {
+    /// Seats of bodies A, from the group's first.
+    pub seats_a: [u32; LANES],
+    /// Seats of bodies B.
+    pub seats_b: [u32; LANES],
+    /// Most points of a lane.
+    pub points: u32,
+    /// 1 when a body of a lane does not move along some axis.
+    pub locked: u32,
+    /// 1 when a lane bounces.
+    pub bounces: u32,
+    /// Zero.
+    pub reserved: [u32; 5],
+    pub normal: LaneVec,
+    pub tangent: LaneVec,
+    /// W of body B: diagonal, then xy, xz, yz.
+    pub root_b: [LaneVec; 2],
+    /// How far B's center moved relative to A's in this step: the point of contact goes with A, so B's arm is
+    /// shorter by this, and action and reaction stay on one line.
+    pub slide: LaneVec,
+    /// Slide, squared, from which on B's arm is corrected.
+    pub slide_min: Lane,
+    /// Jacobians of the first tangent.
+    pub first_a: LaneVec,
+    pub first_b: LaneVec,
+    /// Jacobians of the second tangent, normal x tangent.
+    pub second_a: LaneVec,
+    pub second_b: LaneVec,
+    /// Jacobians of the twist about the normal: W n.
+    pub twist_a: LaneVec,
+    pub twist_b: LaneVec,
+    /// Step of both tangents: 1 / greatest eigenvalue of their 2x2 block.
+    pub friction_mass: Lane,
+    pub twist_mass: Lane,
+    /// Coefficient of friction.
+    pub friction: Lane,
+    /// Mean distance of the points from the patch's center, metres: lever of the twist.
+    pub radius: Lane,
+    /// Impulses of the tangents and of the twist.
+    pub first_impulse: Lane,
+    pub second_impulse: Lane,
+    pub twist_impulse: Lane,
+    /// Softness: share of the overlap taken back, 1/s.
+    pub bias_rate: Lane,
+    pub mass_scale: Lane,
+    pub impulse_scale: Lane,
+    /// Coefficient of restitution.
+    pub restitution: Lane,
+    /// Relative velocity along the normal that gravity and forces give in a substep, m/s.
+    pub push: Lane,
+    /// Velocity of an immovable B's surface along tangents, and its spin about the normal.
+    pub surface: LaneVec,
+}
+
+/// One point of up to eight links.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct PointRow {
+    /// Jacobians of the normal.
+    pub normal_a: LaneVec,
+    pub normal_b: LaneVec,
+    /// 1 / (J M^-1 Jt), kg; 0 in a lane without this point.
+    pub mass: Lane,
+    /// Distance along the normal now, metres.
+    pub separation: Lane,
+    /// Normal impulse of the substep, N s.
+    pub impulse: Lane,
+    /// Velocity of an immovable B's surface along the normal, m/s.
+    pub surface: Lane,
+    /// Speed at which the point is to leave, m/s; 0 when it does not bounce.
+    pub bounce: Lane,
+}

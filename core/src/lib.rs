@@ -1,0 +1,37 @@
+//! Deterministic rigid bodies in three dimensions: the same bits on every machine, in memory that you own.
+//!
+//! A [`World`] lives in a block of [`Line`]s handed over when it is made; nothing is ever allocated. Its state is
+//! plain bytes: a snapshot is a copy. [`World::step`] takes an [`Executor`] that runs the tasks of each stage; who
+//! runs them, and on how many threads, never changes a bit.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod cells;
+pub mod collide;
+pub mod config;
+pub mod executor;
+pub mod math;
+
+mod arena;
+mod body;
+mod constraint;
+mod error;
+mod handle;
+mod lanes;
+mod pipeline;
+mod pool;
+mod report;
+mod shape;
+mod state;
+mod validate;
+mod world;
+
+pub use arena::Line;
+pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
+pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
+pub use error::{Error, SnapshotError};
+pub use executor::{Executor, Serial, Stage};
+pub use handle::{BodyHandle, HullHandle, MeshHandle, ShapeHandle};
+pub use report::StepReport;
+pub use shape::{Filter, Geometry, ShapeDef};
+pub use world::{Capacities, Contact, ContactPoint, World, WorldManifold};

@@ -1,0 +1,179 @@
+//! The step: who touches what in which order.
+//!
+//! ```text
+//! broadphase -> narrowphase -> islands -> ordering -> assembly -> solve (integration included) -> finish
+//! ```
+//! Every stage takes the views it needs and an executor; a stage's tasks own what they write.
+
+pub(crate) mod assembly;
+pub(crate) mod broadphase;
+pub(crate) mod finish;
+pub(crate) mod integration;
+pub(crate) mod layout;
+pub(crate) mod mover;
+pub(crate) mod narrowphase;
+pub(crate) mod seat;
+pub(crate) mod solver;
+pub(crate) mod tasks;
+
+use crate::cells::{self, IMMOVABLE, Link, Scheduler};
+use crate::collide::Solid;
+use crate::config::Settings;
+use crate::executor::{Executor, Stage};
+use crate::math::Vec3;
+use crate::pool;
+use crate::report::StepReport;
+use crate::shape::{
+    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HALF_SPACE, GEOMETRY_HULL, GEOMETRY_MESH, ShapeRow,
+};
+use crate::state::{Active, AssetTables, Cache, Scratch, State};
+use bytemuck::Zeroable;
+use layout::Plan;
+use tasks::Crew;
+
+/// Events that a step counts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counts {
+    pub dropped_pairs: u32,
+    pub dropped_contacts: u32,
+    pub quarantined: u32,
+    pub capped: u32,
+}
+
+/// The memory of a world, region by region.
+pub(crate) struct Regions<'a> {
+    pub assets: AssetTables<'a>,
+    pub state: State<'a>,
+    pub cache: Cache<'a>,
+    pub scratch: Scratch<'a>,
+}
+
+/// Takes one step.
+pub(crate) fn step<E: Executor, S: Scheduler>(
+    regions: &mut Regions<'_>,
+    settings: &Settings,
+    executor: &mut E,
+    scheduler: &mut S,
+) -> StepReport {
+    let Regions { assets, state, cache, scratch } = regions;
+    let mut counts = Counts::default();
+    if settings.dt == 0.0 {
+        state.header[0].step += 1;
+        return report(state, None, (0, &counts, 0));
+    }
+    let mut crew = Crew { executor, barriers: 0 };
+    crew.executor.enter(Stage::Broadphase);
+    broadphase::run(state, assets, (cache, scratch), (&mut crew, &mut counts));
+    crew.executor.enter(Stage::Narrowphase);
+    narrowphase::run(state, assets, scratch, (&mut crew, &mut counts));
+    crew.executor.enter(Stage::Islands);
+    let bodies = activate(state, scratch);
+    crew.executor.enter(Stage::Ordering);
+    let plan = order(state, scratch, bodies, scheduler);
+    crew.executor.enter(Stage::Assembly);
+    assembly::prepare_bodies(state, scratch, (settings, bodies), &mut crew);
+    assembly::fill(state, scratch, (settings, &plan), &mut crew);
+    crew.executor.enter(Stage::Solve);
+    let mut rows = solver::Rows {
+        plan: &plan,
+        groups: &scratch.groups[..plan.groups],
+        links: scratch.link_rows,
+        points: scratch.point_rows,
+        seats: scratch.seats,
+        sources: scratch.seat_sources,
+        movers: scratch.movers,
+    };
+    solver::solve(&mut rows, settings, &mut crew);
+    crew.executor.enter(Stage::Finish);
+    finish::index_points(&scratch.groups[..plan.groups], scratch.link_rows, scratch.row_points);
+    finish::run(state, scratch, (&plan, settings.dt), (&mut crew, &mut counts));
+    crew.executor.leave();
+    report(state, Some(&plan), (bodies as u32, &counts, crew.barriers))
+}
+
+/// Lists the bodies that take part in the solve, and the links between them.
+fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
+    let header = &state.header[0];
+    let mut count = 0;
+    scratch.active_of[..header.bodies.high as usize].fill(IMMOVABLE);
+    for slot in pool::iterate(state.body_used, header.bodies.high) {
+        if state.bodies[slot as usize].is_dynamic() {
+            scratch.active_of[slot as usize] = count as u32;
+            scratch.active[count] = Active { body: slot, ..Active::zeroed() };
+            count += 1;
+        }
+    }
+    for i in 0..header.contacts as usize {
+        let touch = &scratch.touches[scratch.contact_touch[i] as usize];
+        let [a, b] = touch.bodies.map(|slot| scratch.active_of[slot as usize]);
+        let (a, b) = if a == IMMOVABLE { (b, a) } else { (a, b) };
+        // Links with more points first: neighbours in a lane should have as many.
+        scratch.links[i] = Link { a, b, kind: 4 - touch.row.points };
+    }
+    count
+}
+
+/// Orders the links and lays them out in seats and lanes.
+fn order<S: Scheduler>(
+    state: &State<'_>,
+    scratch: &mut Scratch<'_>,
+    bodies: usize,
+    scheduler: &mut S,
+) -> Plan {
+    let count = state.header[0].contacts as usize;
+    let links = &scratch.links[..count];
+    let mut schedule =
+        cells::Schedule { order: &mut scratch.order[..count], blocks: scratch.blocks, block_count: 0 };
+    scheduler.schedule(bodies as u32, links, scratch.ordering, &mut schedule);
+    let block_count = schedule.block_count;
+    let schedule = layout::Schedule {
+        links,
+        order: &scratch.order[..count],
+        blocks: &scratch.blocks[..block_count],
+        bodies: bodies as u32,
+    };
+    let mut tables = layout::Tables {
+        groups: scratch.groups,
+        lane_contacts: scratch.lane_contacts,
+        lane_seats: scratch.lane_seats,
+        contact_places: scratch.contact_places,
+        seat_sources: scratch.seat_sources,
+        seat_bodies: scratch.seat_bodies,
+        last_seats: scratch.last_seats,
+        phase_seats: scratch.phase_seats,
+        first_seats: scratch.first_seats,
+        block_chains: scratch.block_chains,
+    };
+    layout::lay_out(&schedule, &mut tables, |contact| 4 - links[contact as usize].kind)
+}
+
+fn report(state: &State<'_>, plan: Option<&Plan>, (bodies, counts, barriers): (u32, &Counts, u32)) -> StepReport {
+    let header = &state.header[0];
+    StepReport {
+        step: header.step,
+        bodies: header.bodies.count,
+        active: bodies,
+        pairs: header.pairs,
+        contacts: header.contacts,
+        phases: if header.contacts == 0 { 0 } else { plan.map_or(0, |plan| plan.phase_count as u32) },
+        blocks: plan.map_or(0, |plan| plan.blocks as u32),
+        barriers,
+        dropped: counts.dropped_pairs + counts.dropped_contacts,
+        quarantined: counts.quarantined,
+        capped: counts.capped,
+    }
+}
+
+/// A shape's geometry with its tables.
+#[inline]
+pub(crate) fn solid<'a>(shape: &ShapeRow, assets: &AssetTables<'a>) -> Solid<'a> {
+    let size = shape.size;
+    match shape.kind {
+        GEOMETRY_CAPSULE => Solid::Capsule { radius: size[0], half_height: size[1] },
+        GEOMETRY_BOX => Solid::Box { half_extents: Vec3::from_array(size) },
+        GEOMETRY_HULL => Solid::Hull(assets.hulls[shape.asset() as usize].view()),
+        GEOMETRY_HALF_SPACE => Solid::HalfSpace,
+        GEOMETRY_MESH => Solid::Mesh(assets.mesh(shape.asset())),
+        _ => Solid::Sphere { radius: size[0] },
+    }
+}

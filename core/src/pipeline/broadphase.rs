@@ -1,0 +1,402 @@
+//! Broadphase (the talk's first stage, SEED S2): which shapes may touch, by boxes.
+//!
+//! Every shape has a *fat* box in the state, larger than the shape by a margin. A step makes new boxes only for
+//! shapes that left theirs; pairs between other shapes stay. The pairs of the moved ones are found anew in two
+//! trees (shapes of static bodies, and the rest), which are cache. Pairs are a sorted set, so the shape of a tree
+//! never matters.
+
+use crate::body::{BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position};
+use crate::collide::tree::{self, Tree};
+use crate::config::SPECULATIVE_DISTANCE;
+use crate::executor::{Executor, Stage};
+use crate::math::{Aabb, Vec3};
+use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{Counts, solid};
+use crate::pool::is_used;
+use crate::shape::{BOX_STALE, ShapeRow};
+use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Scratch, State};
+
+/// Shapes for which updating boxes is worth a task.
+const UPDATE_SHAPES: usize = 256;
+/// Moved shapes for which a search is worth a task.
+const SEARCH_SHAPES: usize = 64;
+
+pub(crate) fn run<E: Executor>(
+    state: &mut State<'_>,
+    assets: &AssetTables<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    (crew, counts): (&mut Crew<'_, E>, &mut Counts),
+) {
+    update_boxes(state, assets, scratch, crew);
+    let (moved, statics_moved) = list_moved(state, scratch);
+    if moved == 0 && state.header[0].pairs_stale == 0 {
+        return;
+    }
+    if statics_moved {
+        state.header[0].static_version += 1;
+    }
+    cache.header[0].moving_fits = 0;
+    refresh_trees(state, cache, scratch);
+    find_pairs(state, cache, scratch, (moved, crew, counts));
+    clear_flags(state, &scratch.moved[..moved]);
+}
+
+/// Makes new boxes for shapes that left theirs, and marks them.
+fn update_boxes<E: Executor>(
+    state: &mut State<'_>,
+    assets: &AssetTables<'_>,
+    scratch: &mut Scratch<'_>,
+    crew: &mut Crew<'_, E>,
+) {
+    struct Task<'a> {
+        first: u32,
+        shapes: &'a mut [ShapeRow],
+        is_moved: &'a mut [u8],
+    }
+    let high = state.header[0].shapes.high as usize;
+    let share = chunk(high, UPDATE_SHAPES);
+    let dt = state.header[0].settings.read().map_or(0.0, |settings| settings.dt);
+    let all = state.header[0].pairs_stale & PAIRS_DROPPED != 0;
+    let (used, bodies, motions) = (&*state.shape_used, &*state.bodies, &*state.motions);
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    let parts = state.shapes[..high].chunks_mut(share).zip(scratch.is_moved[..high].chunks_mut(share));
+    for (i, (shapes, is_moved)) in parts.enumerate() {
+        push(&mut tasks, Task { first: (i * share) as u32, shapes, is_moved });
+    }
+    crew.run(Stage::Broadphase, &mut tasks, |task| {
+        for (i, (shape, moved)) in task.shapes.iter_mut().zip(task.is_moved.iter_mut()).enumerate() {
+            *moved = 0;
+            if is_used(used, task.first + i as u32) {
+                let body = shape.body as usize;
+                *moved = u8::from(update_box(shape, (&bodies[body], &motions[body]), assets, dt) || all);
+            }
+        }
+    });
+}
+
+/// Makes a new fat box if the shape left its own; true when it did.
+fn update_box(
+    shape: &mut ShapeRow,
+    (body, motion): (&BodyRow, &Motion),
+    assets: &AssetTables<'_>,
+    dt: f32,
+) -> bool {
+    let stale = shape.flags & BOX_STALE != 0 || body.has(CHANGED_SECTOR);
+    let is_static = body.kind() == BodyKind::Static;
+    if is_static && !stale {
+        return false;
+    }
+    let local = motion.local_to_center(body, &shape.pose);
+    let pose = crate::math::Pose::new(local.position + motion.center.offset, local.rotation);
+    let tight = crate::collide::bounds::aabb(&solid(shape, assets), &pose);
+    // The box reaches as far as contacts are looked for: over the coming step's path and the speculative distance.
+    let path = if is_static { Vec3::ZERO } else { motion.linear * dt };
+    let swept = tight.union(&Aabb { min: tight.min + path, max: tight.max + path });
+    if !stale && shape.fat_box.contains(&swept.grown(SPECULATIVE_DISTANCE)) {
+        return false;
+    }
+    shape.fat_box = swept.grown(ShapeRow::margin(!is_static));
+    true
+}
+
+/// Lists the marked shapes; says how many, and whether one belongs to a static body.
+fn list_moved(state: &State<'_>, scratch: &mut Scratch<'_>) -> (usize, bool) {
+    let high = state.header[0].shapes.high as usize;
+    let (mut count, mut statics) = (0, false);
+    for slot in 0..high {
+        if scratch.is_moved[slot] != 0 {
+            scratch.moved[count] = slot as u32;
+            count += 1;
+            let body = state.shapes[slot].body as usize;
+            statics |= state.bodies[body].kind() == BodyKind::Static;
+        }
+    }
+    (count, statics)
+}
+
+fn clear_flags(state: &mut State<'_>, moved: &[u32]) {
+    for &slot in moved {
+        state.shapes[slot as usize].flags &= !BOX_STALE;
+        let body = state.shapes[slot as usize].body as usize;
+        state.bodies[body].flags &= !CHANGED_SECTOR;
+    }
+}
+
+/// Brings both trees to the boxes in the state.
+pub(crate) fn refresh_trees(state: &State<'_>, cache: &mut Cache<'_>, scratch: &mut Scratch<'_>) {
+    let stamp = state.header[0].static_version + 1;
+    let statics_fit = cache.header[0].static_stamp == stamp;
+    if !statics_fit {
+        // The trees count their coordinates in the sector of the first shape, wherever the scene is.
+        cache.header[0].sector = first_sector(state);
+        cache.header[0].moving_fits = 0;
+    }
+    let sector = cache.header[0].sector;
+    for is_static in [true, false] {
+        let fits = if is_static { statics_fit } else { cache.header[0].moving_fits != 0 };
+        if fits {
+            continue;
+        }
+        let belongs = |slot: &u32| {
+            let body = state.shapes[*slot as usize].body as usize;
+            (state.bodies[body].kind() == BodyKind::Static) == is_static
+        };
+        let used = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high).filter(belongs);
+        for slot in used() {
+            scratch.tree_boxes[slot as usize] = tree_box(state, slot, sector);
+        }
+        let (order, nodes) = if is_static {
+            (&mut *cache.static_order, &mut *cache.static_nodes)
+        } else {
+            (&mut *cache.moving_order, &mut *cache.moving_nodes)
+        };
+        let leaves = tree::build(scratch.tree_boxes, used(), scratch.tree_keys, order, nodes) as u32;
+        if is_static {
+            cache.header[0].static_leaves = leaves;
+            cache.header[0].static_stamp = stamp;
+        } else {
+            cache.header[0].moving_leaves = leaves;
+            cache.header[0].moving_fits = 1;
+        }
+    }
+}
+
+fn first_sector(state: &State<'_>) -> [i32; 3] {
+    crate::pool::iterate(state.shape_used, state.header[0].shapes.high)
+        .next()
+        .map_or([0; 3], |slot| state.motions[state.shapes[slot as usize].body as usize].center.sector)
+}
+
+/// A shape's fat box in the tree's coordinates, never smaller than it is.
+fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
+    let shape = &state.shapes[slot as usize];
+    let center = state.motions[shape.body as usize].center;
+    let shift = Position { sector: center.sector, offset: Vec3::ZERO }
+        .minus(Position { sector, offset: Vec3::ZERO });
+    if shift == Vec3::ZERO {
+        return shape.fat_box;
+    }
+    // Far from the tree's sector the sum is rounded: grow by more than its last bit.
+    let min = shape.fat_box.min + shift;
+    let max = shape.fat_box.max + shift;
+    let slack = |v: Vec3| v.abs() * 2.4e-7;
+    Aabb { min: min - slack(min), max: max + slack(max) }
+}
+
+/// True when two shapes' fat boxes overlap, whatever their sectors.
+fn boxes_overlap(state: &State<'_>, a: u32, b: u32) -> bool {
+    let (sa, sb) = (&state.shapes[a as usize], &state.shapes[b as usize]);
+    let sector = |s: &ShapeRow| Position {
+        sector: state.motions[s.body as usize].center.sector,
+        offset: Vec3::ZERO,
+    };
+    let shift = sector(sb).minus(sector(sa));
+    let moved = Aabb { min: sb.fat_box.min + shift, max: sb.fat_box.max + shift };
+    sa.fat_box.overlaps(&moved)
+}
+
+/// True when two shapes can make contacts at all.
+fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
+    let (sa, sb) = (&state.shapes[a as usize], &state.shapes[b as usize]);
+    let dynamic = |s: &ShapeRow| state.bodies[s.body as usize].is_dynamic();
+    sa.body != sb.body
+        && (dynamic(sa) || dynamic(sb))
+        && (sa.is_convex() || sb.is_convex())
+        && sa.filter.meets(&sb.filter)
+}
+
+fn key(a: u32, b: u32) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+}
+
+fn pair_of(key: u64) -> Pair {
+    Pair { a: (key >> 32) as u32, b: key as u32 }
+}
+
+/// Replaces the pairs of moved shapes.
+fn find_pairs<E: Executor>(
+    state: &mut State<'_>,
+    cache: &Cache<'_>,
+    scratch: &mut Scratch<'_>,
+    (moved, crew, counts): (usize, &mut Crew<'_, E>, &mut Counts),
+) {
+    let statics = tree_of(cache.static_nodes, cache.static_order, cache.header[0].static_leaves);
+    let moving = tree_of(cache.moving_nodes, cache.moving_order, cache.header[0].moving_leaves);
+    let search = Search {
+        state,
+        trees: [statics, moving],
+        sector: cache.header[0].sector,
+        is_moved: scratch.is_moved,
+    };
+    let moved = &scratch.moved[..moved];
+    let found = match search.all(moved, scratch.found, crew) {
+        Some(found) => found,
+        None => search.best(moved, scratch.found, counts),
+    };
+    scratch.found[..found].sort_unstable();
+    merge(state, scratch, found, counts);
+}
+
+/// The search for pairs of moved shapes.
+struct Search<'a> {
+    state: &'a State<'a>,
+    /// Of static bodies, and of the rest.
+    trees: [Tree<'a>; 2],
+    /// The trees' sector.
+    sector: [i32; 3],
+    is_moved: &'a [u8],
+}
+
+impl Search<'_> {
+    /// Visits the keys of the new pairs of one moved shape. A pair of two moved shapes is the lower one's.
+    fn of(&self, slot: u32, mut visit: impl FnMut(u64)) {
+        let state = self.state;
+        let region = tree_box(state, slot, self.sector);
+        let mut found = |other: u32| {
+            let twice = self.is_moved[other as usize] != 0 && other < slot;
+            let new = other != slot && !twice && is_used(state.shape_used, other);
+            if new && may_meet(state, slot, other) && boxes_overlap(state, slot, other) {
+                visit(key(slot, other));
+            }
+        };
+        self.trees.iter().for_each(|tree| tree.query(&region, &mut found));
+    }
+
+    /// Writes all keys, in no order: count, scan, fill. `None` when they do not fit.
+    fn all<E: Executor>(&self, moved: &[u32], keys: &mut [u64], crew: &mut Crew<'_, E>) -> Option<usize> {
+        let share = chunk(moved.len(), SEARCH_SHAPES);
+        let mut counts: Tasks<(&[u32], usize)> = moved.chunks(share).map(|shapes| (shapes, 0)).collect();
+        crew.run(Stage::Broadphase, &mut counts, |(shapes, count)| {
+            shapes.iter().for_each(|&slot| self.of(slot, |_| *count += 1));
+        });
+        let total: usize = counts.iter().map(|task| task.1).sum();
+        if total > keys.len() {
+            return None;
+        }
+        let mut rest = keys;
+        let mut fills: Tasks<(&[u32], &mut [u64])> = Tasks::new();
+        for (shapes, count) in &counts {
+            push(&mut fills, (*shapes, crate::pipeline::solver::take(&mut rest, *count)));
+        }
+        crew.run(Stage::Broadphase, &mut fills, |(shapes, keys)| {
+            let mut places = keys.iter_mut();
+            for &slot in *shapes {
+                self.of(slot, |key| {
+                    if let Some(place) = places.next() {
+                        *place = key;
+                    }
+                });
+            }
+        });
+        Some(total)
+    }
+
+    /// Writes the best keys, as they come, when there are too many.
+    fn best(&self, moved: &[u32], keys: &mut [u64], counts: &mut Counts) -> usize {
+        let contacts = contacts_of(self.state);
+        let mut best = Best { keys, count: 0, dropped: 0, room: self.state.pairs.len() };
+        for &slot in moved {
+            self.of(slot, |key| best.add(key, contacts));
+        }
+        best.cut(contacts);
+        counts.dropped_pairs += best.dropped;
+        best.count
+    }
+}
+
+fn tree_of<'a>(nodes: &'a [Aabb], order: &'a [u32], leaves: u32) -> Tree<'a> {
+    let leaves = leaves as usize;
+    Tree { nodes: &nodes[..tree::node_count(leaves)], order: &order[..leaves] }
+}
+
+fn contacts_of<'a>(state: &'a State<'_>) -> &'a [ContactRow] {
+    &state.contacts[..state.header[0].contacts as usize]
+}
+
+/// True when the pair had a contact in the step before.
+fn touches(contacts: &[ContactRow], pair: Pair) -> bool {
+    contacts.binary_search_by(|row| row.pair.cmp(&pair)).is_ok()
+}
+
+/// The best keys of a stream that is longer than the buffer: touching pairs first, then pair order.
+struct Best<'a> {
+    keys: &'a mut [u64],
+    count: usize,
+    dropped: u32,
+    room: usize,
+}
+
+impl Best<'_> {
+    fn add(&mut self, key: u64, contacts: &[ContactRow]) {
+        if self.count == self.keys.len() {
+            self.cut(contacts);
+        }
+        self.keys[self.count] = key;
+        self.count += 1;
+    }
+
+    fn cut(&mut self, contacts: &[ContactRow]) {
+        if self.count > self.room {
+            self.keys[..self.count].sort_unstable_by_key(|&key| (!touches(contacts, pair_of(key)), key));
+            self.dropped += (self.count - self.room) as u32;
+            self.count = self.room;
+        }
+    }
+}
+
+/// Merges the found keys (sorted) with the pairs that stay, and writes the pairs of the step.
+fn merge(state: &mut State<'_>, scratch: &mut Scratch<'_>, found: usize, counts: &mut Counts) {
+    let is_moved = &*scratch.is_moved;
+    let (used, old) = (&*state.shape_used, state.header[0].pairs as usize);
+    let stays = |pair: &Pair| {
+        let still = |slot: u32| is_used(used, slot) && is_moved[slot as usize] == 0;
+        still(pair.a) && still(pair.b)
+    };
+    let mut kept = 0;
+    for i in 0..old {
+        if stays(&state.pairs[i]) {
+            state.pairs[kept] = state.pairs[i];
+            kept += 1;
+        }
+    }
+    let room = state.pairs.len();
+    state.header[0].pairs_stale = 0;
+    let mut found = found;
+    if kept + found > room {
+        // Which pairs stay is decided among all of them, so all are looked for again in the next step.
+        let contacts = &state.contacts[..state.header[0].contacts as usize];
+        let mut best =
+            Best { keys: scratch.found, count: found, dropped: 0, room };
+        for pair in &state.pairs[..kept] {
+            best.add(key(pair.a, pair.b), contacts);
+        }
+        best.cut(contacts);
+        counts.dropped_pairs += best.dropped;
+        found = best.count;
+        scratch.found[..found].sort_unstable();
+        kept = 0;
+    }
+    if counts.dropped_pairs > 0 {
+        state.header[0].pairs_stale = PAIRS_DROPPED;
+    }
+    merge_sorted(state.pairs, kept, &scratch.found[..found]);
+    let count = kept + found;
+    let before = old.max(count);
+    state.pairs[count..before].fill(Pair { a: 0, b: 0 });
+    state.header[0].pairs = count as u32;
+}
+
+/// Merges sorted keys into the first `kept` sorted pairs, from the back.
+fn merge_sorted(pairs: &mut [Pair], kept: usize, found: &[u64]) {
+    let (mut i, mut j) = (kept, found.len());
+    while j > 0 {
+        let new = pair_of(found[j - 1]);
+        if i > 0 && pairs[i - 1] > new {
+            pairs[i + j - 1] = pairs[i - 1];
+            i -= 1;
+        } else {
+            pairs[i + j - 1] = new;
+            j -= 1;
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Finish: results of the solve written back to the state; bodies that are no longer numbers are quarantined.
+
+use crate::body::{self, BodyKind, BodyRow, CHANGED_SECTOR, KIND_MASK, Motion, QUARANTINED, STOPS_AFTER_STEP};
+use crate::cells::IMMOVABLE;
+use crate::config::SECTOR_MAX;
+use crate::constraint::row::{LinkRow, PointRow};
+use crate::executor::{Executor, Stage};
+use crate::lanes::LANES;
+use crate::math::Vec3;
+use crate::pipeline::Counts;
+use crate::pipeline::integration;
+use crate::pipeline::layout::{Group, Plan};
+use crate::pipeline::mover::Mover;
+use crate::pipeline::seat::Seat;
+use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::shape::BOX_STALE;
+use crate::state::{ContactRow, Scratch, State, Touch};
+
+/// Bodies that are worth a task.
+const FINISH_BODIES: usize = 256;
+/// Contacts that are worth a task.
+const FINISH_CONTACTS: usize = 512;
+
+pub(crate) fn run<E: Executor>(
+    state: &mut State<'_>,
+    scratch: &mut Scratch<'_>,
+    (plan, dt): (&Plan, f32),
+    (crew, counts): (&mut Crew<'_, E>, &mut Counts),
+) {
+    store_impulses(state, scratch, plan, crew);
+    store_motions(state, scratch, (plan, dt), (crew, counts));
+    if counts.quarantined > 0 {
+        drop_shapes_of_quarantined(state);
+    }
+    state.header[0].step += 1;
+}
+
+/// Impulses of the contacts, for the next step's warm start.
+fn store_impulses<E: Executor>(
+    state: &mut State<'_>,
+    scratch: &Scratch<'_>,
+    plan: &Plan,
+    crew: &mut Crew<'_, E>,
+) {
+    struct Task<'a> {
+        rows: &'a mut [ContactRow],
+        places: &'a [u32],
+        touches: &'a [u32],
+    }
+    let count = state.header[0].contacts as usize;
+    if plan.rows == 0 {
+        return;
+    }
+    let share = chunk(count, FINISH_CONTACTS);
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    for (i, rows) in state.contacts[..count].chunks_mut(share).enumerate() {
+        let run = i * share..i * share + rows.len();
+        let (places, touches) = (&scratch.contact_places[run.clone()], &scratch.contact_touch[run]);
+        push(&mut tasks, Task { rows, places, touches });
+    }
+    let (links, points) = (&*scratch.link_rows, &*scratch.point_rows);
+    let (first_points, touches) = (&*scratch.row_points, &*scratch.touches);
+    let active_of = &*scratch.active_of;
+    crew.run(Stage::Finish, &mut tasks, |task| {
+        for ((row, &place), &touch) in task.rows.iter_mut().zip(task.places).zip(task.touches) {
+            let (link, lane) = (place as usize / LANES, place as usize % LANES);
+            let first = first_points[link] as usize;
+            let touch = &touches[touch as usize];
+            let exchanged = active_of[touch.bodies[0] as usize] == IMMOVABLE;
+            store(row, (&links[link], &points[first..]), touch, (lane, exchanged_sign(exchanged)));
+        }
+    });
+}
+
+/// Sides are exchanged when body A of the contact is immovable.
+fn exchanged_sign(exchanged: bool) -> f32 {
+    if exchanged { -1.0 } else { 1.0 }
+}
+
+fn store(
+    row: &mut ContactRow,
+    (link, points): (&LinkRow, &[PointRow]),
+    touch: &Touch,
+    (lane, sign): (usize, f32),
+) {
+    for i in 0..touch.row.points as usize {
+        row.impulses[i] = points[i].impulse.get(lane);
+    }
+    let at = |v: &crate::lanes::LaneVec| Vec3::new(v.x.get(lane), v.y.get(lane), v.z.get(lane));
+    let (n, t) = (at(&link.normal), at(&link.tangent));
+    let s = n.cross(t);
+    row.friction = (t * link.first_impulse.get(lane) + s * link.second_impulse.get(lane)) * sign;
+    row.twist = link.twist_impulse.get(lane);
+}
+
+/// What the bodies became.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    quarantined: u32,
+    capped: u32,
+}
+
+fn store_motions<E: Executor>(
+    state: &mut State<'_>,
+    scratch: &Scratch<'_>,
+    (plan, dt): (&Plan, f32),
+    (crew, counts): (&mut Crew<'_, E>, &mut Counts),
+) {
+    struct Task<'a> {
+        first: usize,
+        motions: &'a mut [Motion],
+        rows: &'a mut [BodyRow],
+        found: Found,
+    }
+    let high = state.header[0].bodies.high as usize;
+    let share = chunk(high, FINISH_BODIES);
+    let results = Results {
+        active_of: scratch.active_of,
+        first_seats: scratch.first_seats,
+        last_seats: scratch.last_seats,
+        seats: &scratch.seats[..plan.seats],
+        movers: scratch.movers,
+    };
+    let used = &*state.body_used;
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    let parts = state.motions[..high].chunks_mut(share).zip(state.bodies[..high].chunks_mut(share));
+    for (i, (motions, rows)) in parts.enumerate() {
+        push(&mut tasks, Task { first: i * share, motions, rows, found: Found::default() });
+    }
+    crew.run(Stage::Finish, &mut tasks, |task| {
+        for (i, (motion, row)) in task.motions.iter_mut().zip(task.rows.iter_mut()).enumerate() {
+            let slot = task.first + i;
+            if crate::pool::is_used(used, slot as u32) {
+                match row.kind() {
+                    BodyKind::Static => {}
+                    BodyKind::Kinematic => move_kinematic(motion, row, dt),
+                    BodyKind::Dynamic => results.store(slot, motion, row, &mut task.found),
+                }
+            }
+        }
+    });
+    for task in &tasks {
+        counts.quarantined += task.found.quarantined;
+        counts.capped += task.found.capped;
+    }
+}
+
+/// A kinematic body moves by its velocity; one with a target arrives and stops.
+fn move_kinematic(motion: &mut Motion, row: &mut BodyRow, dt: f32) {
+    let place = motion.center;
+    let rotation = integration::turned(motion.rotation, motion.angular * dt);
+    let moved = place.plus(motion.linear * dt);
+    if moved.sector.iter().any(|s| s.unsigned_abs() > SECTOR_MAX as u32) {
+        motion.linear = Vec3::ZERO;
+        return;
+    }
+    if moved.sector != place.sector {
+        row.flags |= CHANGED_SECTOR;
+    }
+    motion.center = moved;
+    motion.rotation = rotation;
+    if row.has(STOPS_AFTER_STEP) {
+        row.flags &= !STOPS_AFTER_STEP;
+        motion.linear = Vec3::ZERO;
+        motion.angular = Vec3::ZERO;
+    }
+}
+
+/// Where the solve left the bodies.
+struct Results<'a> {
+    active_of: &'a [u32],
+    first_seats: &'a [u32],
+    last_seats: &'a [u32],
+    seats: &'a [Seat],
+    movers: &'a [Mover],
+}
+
+impl Results<'_> {
+    fn store(&self, slot: usize, motion: &mut Motion, row: &mut BodyRow, found: &mut Found) {
+        let active = self.active_of[slot] as usize;
+        let mover = &self.movers[self.first_seats[active] as usize];
+        let u = self.seats[self.last_seats[active] as usize].velocity.to_array();
+        let whitened = Vec3::new(u[4], u[5], u[6]);
+        let after = Motion {
+            center: motion.center.plus(mover.displacement),
+            rotation: mover.rotation.normalized(),
+            linear: Vec3::new(u[0], u[1], u[2]),
+            angular: mover.angular_velocity(whitened),
+        };
+        row.force = Vec3::ZERO;
+        row.torque = Vec3::ZERO;
+        found.capped += mover.capped;
+        let inside = after.center.sector.iter().all(|s| s.unsigned_abs() <= SECTOR_MAX as u32);
+        if !after.is_finite() || !mover.displacement.is_finite() || !inside {
+            quarantine(motion, row);
+            found.quarantined += 1;
+            return;
+        }
+        if after.center.sector != motion.center.sector {
+            row.flags |= CHANGED_SECTOR;
+        }
+        *motion = after;
+    }
+}
+
+/// Stops a body for good at its last finite pose.
+fn quarantine(motion: &mut Motion, row: &mut BodyRow) {
+    motion.linear = Vec3::ZERO;
+    motion.angular = Vec3::ZERO;
+    row.flags = (row.flags & !KIND_MASK) | BodyKind::Static as u32 | QUARANTINED;
+}
+
+/// The shapes' pairs are looked for again, now that their body is static; their contacts go with the pairs.
+fn drop_shapes_of_quarantined(state: &mut State<'_>) {
+    for slot in 0..state.header[0].shapes.high {
+        if crate::pool::is_used(state.shape_used, slot) {
+            let shape = &mut state.shapes[slot as usize];
+            if state.bodies[shape.body as usize].has(body::QUARANTINED) {
+                shape.flags |= BOX_STALE | crate::shape::FRESH;
+            }
+        }
+    }
+}
+
+/// Writes the first point of each row, so that contacts find theirs.
+pub(crate) fn index_points(groups: &[Group], links: &[LinkRow], row_points: &mut [u32]) {
+    for group in groups {
+        let mut next = group.first_point;
+        for row in group.first_row as usize..(group.first_row + group.rows) as usize {
+            row_points[row] = next;
+            next += links[row].points;
+        }
+    }
+}

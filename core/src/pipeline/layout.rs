@@ -1,0 +1,302 @@
+//! From a schedule to seats and lanes.
+//!
+//! Each phase's blocks are dealt to *groups* of eight *chains*, one chain for each lane; a group is a task. Row
+//! `k` of a group holds the `k`-th link of each of its chains. Blocks of a phase share no dynamic body, so the
+//! lanes never meet; and a block's links keep their order, so neither the dealing nor the number of lanes changes
+//! a bit.
+
+use crate::cells::{Block, IMMOVABLE, Link, PHASES_MAX};
+use crate::lanes::LANES;
+use crate::pipeline::seat::OWN;
+use crate::pipeline::tasks::TASKS_MAX;
+use crate::world::Capacities;
+use bytemuck::{Pod, Zeroable};
+
+/// Links for which a phase gets another group.
+const GROUP_LINKS: usize = 512;
+/// Most groups of a phase that have links; the rest of the tasks is for bodies without links.
+const LINK_GROUPS_MAX: usize = 96;
+/// Bodies without links for which phase 0 gets another group.
+const GROUP_BODIES: usize = 512;
+/// Most such groups.
+const FREE_GROUPS_MAX: usize = TASKS_MAX - LINK_GROUPS_MAX;
+/// Marks an empty lane.
+pub(crate) const EMPTY: u32 = u32::MAX;
+
+/// A task of the solve: runs of the seats, rows and points.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Group {
+    pub phase: u32,
+    pub first_seat: u32,
+    pub seats: u32,
+    pub first_row: u32,
+    pub rows: u32,
+    pub first_point: u32,
+    pub points: u32,
+    /// 1 when some link of the group may bounce.
+    pub bounces: u32,
+}
+
+/// Groups of one phase.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Phase {
+    pub first_group: u32,
+    pub groups: u32,
+    pub first_seat: u32,
+    pub seats: u32,
+}
+
+/// What the layout came to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    pub phases: [Phase; PHASES_MAX],
+    /// At least 1 when there is an active body.
+    pub phase_count: usize,
+    pub groups: usize,
+    pub seats: usize,
+    pub rows: usize,
+    pub points: usize,
+    pub blocks: usize,
+}
+
+/// Most groups of any schedule.
+pub(crate) const fn groups_max(c: &Capacities) -> usize {
+    PHASES_MAX + c.contacts as usize / GROUP_LINKS + c.bodies as usize / GROUP_BODIES + 2
+}
+
+/// Most seats of any schedule: each body once in phase 0, two for each link of a later phase, and the lanes' own.
+pub(crate) const fn seats_max(c: &Capacities) -> usize {
+    c.bodies as usize + 2 * c.contacts as usize + LANES * groups_max(c)
+}
+
+/// Most seats of phase 0.
+pub(crate) const fn first_phase_seats_max(c: &Capacities) -> usize {
+    c.bodies as usize + LANES * groups_max(c)
+}
+
+/// The schedule to lay out.
+#[derive(Clone, Copy)]
+pub(crate) struct Schedule<'a> {
+    pub links: &'a [Link],
+    pub order: &'a [u32],
+    pub blocks: &'a [Block],
+    pub bodies: u32,
+}
+
+/// Where the layout is written.
+pub(crate) struct Tables<'a> {
+    pub groups: &'a mut [Group],
+    pub lane_contacts: &'a mut [[u32; LANES]],
+    /// Seats of bodies A and then B of each lane, from the group's first.
+    pub lane_seats: &'a mut [[u32; 2 * LANES]],
+    pub contact_places: &'a mut [u32],
+    pub seat_sources: &'a mut [u32],
+    pub seat_bodies: &'a mut [u32],
+    pub last_seats: &'a mut [u32],
+    pub phase_seats: &'a mut [u32],
+    pub first_seats: &'a mut [u32],
+    /// Chain of each block.
+    pub block_chains: &'a mut [u32],
+}
+
+/// Lays out a schedule. Seats, rows and points come phase by phase, group by group.
+pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>, points_of: impl Fn(u32) -> u32) -> Plan {
+    let mut plan = Plan {
+        phases: [Phase::default(); PHASES_MAX],
+        phase_count: 0,
+        groups: 0,
+        seats: 0,
+        rows: 0,
+        points: 0,
+        blocks: schedule.blocks.len(),
+    };
+    tables.last_seats[..schedule.bodies as usize].fill(OWN);
+    tables.phase_seats[..schedule.bodies as usize].fill(OWN);
+    let mut blocks = schedule.blocks;
+    while plan.phase_count == 0 || !blocks.is_empty() {
+        let phase = plan.phase_count as u32;
+        let count = blocks.iter().take_while(|block| block.phase == phase).count();
+        assert!(count > 0 || phase == 0, "phases ascend without gaps");
+        let (own, rest) = blocks.split_at(count);
+        blocks = rest;
+        lay_out_phase(schedule, own, tables, (&mut plan, &points_of));
+    }
+    // What phase 0 pulls from: the last seat of each body, unless it is its only one.
+    let first = plan.phases[0].seats as usize;
+    for seat in 0..first {
+        let body = tables.seat_bodies[seat];
+        if body != IMMOVABLE {
+            let last = tables.last_seats[body as usize];
+            tables.seat_sources[seat] = if last as usize == seat { OWN } else { last };
+        }
+    }
+    plan
+}
+
+fn lay_out_phase(
+    schedule: &Schedule<'_>,
+    blocks: &[Block],
+    tables: &mut Tables<'_>,
+    (plan, points_of): (&mut Plan, &impl Fn(u32) -> u32),
+) {
+    let first_seat = plan.seats;
+    let first_group = plan.groups;
+    let links: usize = blocks.iter().map(|block| block.count as usize).sum();
+    let group_count = links.div_ceil(GROUP_LINKS).min(LINK_GROUPS_MAX);
+    let loads = deal(blocks, group_count, tables.block_chains);
+    for g in 0..group_count {
+        let rows = loads[g * LANES..(g + 1) * LANES].iter().copied().max().unwrap_or(0);
+        tables.groups[plan.groups] = Group {
+            phase: plan.phase_count as u32,
+            first_seat: 0,
+            seats: 0,
+            first_row: plan.rows as u32,
+            rows,
+            first_point: 0,
+            points: 0,
+            bounces: 0,
+        };
+        tables.lane_contacts[plan.rows..plan.rows + rows as usize].fill([EMPTY; LANES]);
+        plan.groups += 1;
+        plan.rows += rows as usize;
+    }
+    place(schedule, blocks, tables, first_group);
+    for g in first_group..plan.groups {
+        seat_group(schedule, tables, (plan, g), (first_seat as u32, points_of));
+    }
+    if plan.phase_count == 0 {
+        seat_free_bodies(schedule.bodies, tables, plan);
+        let bodies = schedule.bodies as usize;
+        tables.first_seats[..bodies].copy_from_slice(&tables.phase_seats[..bodies]);
+    }
+    plan.phases[plan.phase_count] = Phase {
+        first_group: first_group as u32,
+        groups: (plan.groups - first_group) as u32,
+        first_seat: first_seat as u32,
+        seats: (plan.seats - first_seat) as u32,
+    };
+    plan.phase_count += 1;
+}
+
+/// Deals blocks to chains, each to the chain with the least links; long blocks come first. Returns the loads.
+fn deal(blocks: &[Block], groups: usize, chains: &mut [u32]) -> [u32; LINK_GROUPS_MAX * LANES] {
+    let mut loads = [0_u32; LINK_GROUPS_MAX * LANES];
+    let count = groups * LANES;
+    for (block, chain) in blocks.iter().zip(chains) {
+        let mut best = 0;
+        for candidate in 1..count {
+            if loads[candidate] < loads[best] {
+                best = candidate;
+            }
+        }
+        *chain = best as u32;
+        loads[best] += block.count;
+    }
+    loads
+}
+
+/// Writes each link's contact to its row and lane. Links and contacts have the same indices.
+fn place(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<'_>, first_group: usize) {
+    let mut lengths = [0_u32; LINK_GROUPS_MAX * LANES];
+    for (i, block) in blocks.iter().enumerate() {
+        let chain = tables.block_chains[i] as usize;
+        let (group, lane) = (chain / LANES, chain % LANES);
+        let first_row = tables.groups[first_group + group].first_row;
+        for k in block.first..block.first + block.count {
+            let row = first_row + lengths[chain];
+            lengths[chain] += 1;
+            let link = schedule.order[k as usize];
+            tables.lane_contacts[row as usize][lane] = link;
+            tables.contact_places[link as usize] = row * LANES as u32 + lane as u32;
+        }
+    }
+}
+
+/// Gives the lanes of a group their scratch seats, and every body of the group a seat, in the order of the rows.
+fn seat_group(
+    schedule: &Schedule<'_>,
+    tables: &mut Tables<'_>,
+    (plan, g): (&mut Plan, usize),
+    (phase_first_seat, points_of): (u32, &impl Fn(u32) -> u32),
+) {
+    let first_seat = plan.seats as u32;
+    for _ in 0..LANES {
+        tables.seat_bodies[plan.seats] = IMMOVABLE;
+        tables.seat_sources[plan.seats] = OWN;
+        plan.seats += 1;
+    }
+    let mut points = 0;
+    let group = tables.groups[g];
+    for row in group.first_row as usize..(group.first_row + group.rows) as usize {
+        let mut most = 0;
+        for lane in 0..LANES {
+            let contact = tables.lane_contacts[row][lane];
+            let mut ends = [lane as u32; 2];
+            if contact != EMPTY {
+                most = points_of(contact).max(most);
+                let link = schedule.links[contact as usize];
+                for (end, body) in ends.iter_mut().zip([link.a, link.b]) {
+                    if body != IMMOVABLE {
+                        *end = take_seat(body, tables, plan, phase_first_seat) - first_seat;
+                    }
+                }
+            }
+            (tables.lane_seats[row][lane], tables.lane_seats[row][LANES + lane]) = (ends[0], ends[1]);
+        }
+        points += most;
+    }
+    let group = &mut tables.groups[g];
+    group.first_seat = first_seat;
+    group.seats = plan.seats as u32 - first_seat;
+    group.first_point = plan.points as u32;
+    group.points = points;
+    plan.points += points as usize;
+}
+
+/// The body's seat in this phase, a new one if it has none yet.
+fn take_seat(body: u32, tables: &mut Tables<'_>, plan: &mut Plan, phase_first_seat: u32) -> u32 {
+    let seat = &mut tables.phase_seats[body as usize];
+    // Seats ascend, so a seat from before this phase's first is an earlier phase's.
+    if *seat != OWN && *seat >= phase_first_seat {
+        return *seat;
+    }
+    *seat = plan.seats as u32;
+    tables.seat_bodies[plan.seats] = body;
+    tables.seat_sources[plan.seats] = tables.last_seats[body as usize];
+    tables.last_seats[body as usize] = *seat;
+    plan.seats += 1;
+    *seat
+}
+
+/// Seats the bodies that no link of phase 0 has.
+fn seat_free_bodies(bodies: u32, tables: &mut Tables<'_>, plan: &mut Plan) {
+    let free = tables.phase_seats[..bodies as usize].iter().filter(|&&seat| seat == OWN).count();
+    if free == 0 {
+        return;
+    }
+    let share = GROUP_BODIES.max(free.div_ceil(FREE_GROUPS_MAX));
+    let mut open = 0;
+    for body in 0..bodies {
+        if tables.phase_seats[body as usize] != OWN {
+            continue;
+        }
+        if open == 0 {
+            tables.groups[plan.groups] = Group {
+                phase: 0,
+                first_seat: plan.seats as u32,
+                seats: 0,
+                first_row: plan.rows as u32,
+                rows: 0,
+                first_point: plan.points as u32,
+                points: 0,
+                bounces: 0,
+            };
+            plan.groups += 1;
+            open = share;
+        }
+        take_seat(body, tables, plan, 0);
+        tables.groups[plan.groups - 1].seats += 1;
+        open -= 1;
+    }
+}

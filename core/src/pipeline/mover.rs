@@ -1,0 +1,173 @@
+//! What phase 0 needs to integrate a body, beside its seat.
+
+use crate::body::{BodyRow, Motion};
+use crate::lanes::Lane;
+use crate::math::{Rotation, Vec3, length};
+use crate::pipeline::integration::{self, TURN_STEP};
+use crate::pipeline::seat::Seat;
+use crate::state::{Active, principal_rotation};
+use bytemuck::{Pod, Zeroable};
+
+/// The integration of a body during a step; in the order of the seats of phase 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Mover {
+    /// Velocity after integration and before the impulses of the substep, laid out as in the seat.
+    pub star: Lane,
+    /// Velocity that gravity, force and torque give in a substep.
+    pub push: Lane,
+    /// Factors of damping; 1 for inverse mass and locks.
+    pub keep: Lane,
+    /// 1e-18 where numbers are flushed to zero, 0 for inverse mass and locks.
+    pub flush: Lane,
+    /// Motion of the center since the step began, metres.
+    pub displacement: Vec3,
+    /// How the body turns freely: `FREE_*`.
+    pub spin: u32,
+    /// Orientation now.
+    pub rotation: Rotation,
+    /// Principal frame at the start of the step, in the world.
+    pub start: Rotation,
+    /// Principal frame in the body.
+    pub axes: Rotation,
+    /// Principal moments of inertia, kg m2.
+    pub inertia: Vec3,
+    /// Their square roots.
+    pub inertia_root: Vec3,
+    /// W, as in [`Active`].
+    pub root: [f32; 6],
+    /// 1 when the speed was capped in this step.
+    pub capped: u32,
+    /// Zero.
+    pub reserved: [u32; 3],
+}
+
+/// Angular velocity stays as it is: equal moments, or a locked axis.
+pub(crate) const SPIN_PLAIN: u32 = 0;
+/// Unequal moments, nothing locked: the free top.
+pub(crate) const SPIN_TOP: u32 = 1;
+
+impl Mover {
+    /// The mover and the seat of a body at the start of a step of `substep` seconds per substep.
+    pub fn new(active: &Active, motion: &Motion, row: &BodyRow, substep: f32) -> (Self, Seat) {
+        let start = principal_rotation(motion, row);
+        let inertia_root = Vec3::new(
+            crate::math::sqrt(row.inertia.x),
+            crate::math::sqrt(row.inertia.y),
+            crate::math::sqrt(row.inertia.z),
+        );
+        let turn_locked = row.locks() >> 3 != 0;
+        let equal = row.inertia.x == row.inertia.y && row.inertia.y == row.inertia.z;
+        let spin = if turn_locked || equal { SPIN_PLAIN } else { SPIN_TOP };
+        let free = |axis: u32, x: f32| if active.locks >> axis & 1 == 1 { 0.0 } else { x };
+        let velocity =
+            Vec3::new(free(0, motion.linear.x), free(1, motion.linear.y), free(2, motion.linear.z));
+        let whitened = integration::whiten(&active.root, motion.angular);
+        let torque = integration::root_times(&active.root, row.torque) * substep;
+        let linear_keep = 1.0 / (1.0 + row.linear_damping * substep);
+        let angular_keep = 1.0 / (1.0 + row.angular_damping * substep);
+        let row_of = |v: Vec3, m: f32, w: Vec3, l: f32| Lane::new([v.x, v.y, v.z, m, w.x, w.y, w.z, l]);
+        let all = Vec3::splat;
+        let current = row_of(velocity, active.inverse_mass, whitened, active.locks as f32);
+        let mover = Self {
+            star: current,
+            push: row_of(active.push, 0.0, torque, 0.0),
+            keep: row_of(all(linear_keep), 1.0, all(angular_keep), 1.0),
+            flush: row_of(all(1.0e-18), 0.0, all(1.0e-18), 0.0),
+            displacement: Vec3::ZERO,
+            spin,
+            rotation: motion.rotation,
+            start,
+            axes: row.axes,
+            inertia: row.inertia,
+            inertia_root,
+            root: active.root,
+            capped: 0,
+            reserved: [0; 3],
+        };
+        (mover, Seat { velocity: current, moved: Lane::ZERO })
+    }
+
+    /// Velocities of the first substep: gravity, forces, damping. The warm sweep follows.
+    pub fn push_first(&mut self, seat: &mut Seat) {
+        self.star = self.pushed(seat.velocity);
+        seat.velocity = self.star;
+    }
+
+    /// Velocities of a later substep: as the first, then the impulses of the substep before as warm start. Their
+    /// sum on a body is the difference `v - star` that they made.
+    pub fn push_again(&mut self, seat: &mut Seat) {
+        let warm = seat.velocity - self.star;
+        self.star = self.pushed(seat.velocity);
+        seat.velocity = self.star + warm;
+    }
+
+    fn pushed(&self, velocity: Lane) -> Lane {
+        let v = (velocity + self.push) * self.keep;
+        (v + self.flush) - self.flush
+    }
+
+    /// Moves the body by its velocity for a substep, and notes the motion in the seat.
+    pub fn advance(&mut self, seat: &mut Seat, substep: f32) {
+        self.cap(seat, substep);
+        let u = seat.velocity.to_array();
+        let v = Vec3::new(u[0], u[1], u[2]);
+        let whitened = Vec3::new(u[4], u[5], u[6]);
+        let moved = v * substep;
+        self.displacement += moved;
+        let turn = if self.spin == SPIN_TOP {
+            self.advance_top(whitened, substep)
+        } else {
+            let turn = integration::root_times(&self.root, whitened) * substep;
+            self.rotation = integration::turned(self.rotation, turn);
+            whitened * substep
+        };
+        seat.moved = Lane::new([moved.x, moved.y, moved.z, 0.0, turn.x, turn.y, turn.z, 0.0]);
+    }
+
+    /// The free top: world angular momentum stays, the orientation follows. Returns the whitened rotation vector.
+    fn advance_top(&mut self, whitened: Vec3, substep: f32) -> Vec3 {
+        let momentum = self.momentum(whitened);
+        let before = self.rotation;
+        let principal = before.after(self.axes);
+        let after = integration::top(principal, momentum, self.inertia, substep);
+        self.rotation = after.after(self.axes.inverse()).normalized();
+        let turn = integration::rotation_vector(self.rotation.after(before.inverse()));
+        // turn~ = W^-1 turn.
+        self.start.rotate(self.inertia_root * self.start.unrotate(turn))
+    }
+
+    /// World angular momentum of a free top, N m s.
+    fn momentum(&self, whitened: Vec3) -> Vec3 {
+        self.start.rotate(self.inertia_root * self.start.unrotate(whitened))
+    }
+
+    /// Angular velocity in the world at the current orientation, rad/s.
+    pub fn angular_velocity(&self, whitened: Vec3) -> Vec3 {
+        if self.spin == SPIN_PLAIN {
+            return integration::root_times(&self.root, whitened);
+        }
+        let principal = self.rotation.after(self.axes);
+        principal.rotate(principal.unrotate(self.momentum(whitened)) / self.inertia)
+    }
+
+    /// Caps speed and spin at the documented maxima.
+    fn cap(&mut self, seat: &mut Seat, substep: f32) {
+        let u = seat.velocity.to_array();
+        let speed = length(Vec3::new(u[0], u[1], u[2]));
+        let spin = length(integration::root_times(&self.root, Vec3::new(u[4], u[5], u[6]))) * substep;
+        let linear = if speed > crate::config::LINEAR_SPEED_MAX {
+            crate::config::LINEAR_SPEED_MAX / speed
+        } else {
+            1.0
+        };
+        let angular = if spin > crate::config::TURN_MAX { crate::config::TURN_MAX / spin } else { 1.0 };
+        if linear < 1.0 || angular < 1.0 {
+            let (l, a) = (linear, angular);
+            seat.velocity = seat.velocity * Lane::new([l, l, l, 1.0, a, a, a, 1.0]);
+            self.capped = 1;
+        }
+    }
+}
+
+const _: () = assert!(crate::config::TURN_MAX <= 256.0 * TURN_STEP + 0.01);

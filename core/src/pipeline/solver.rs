@@ -1,0 +1,156 @@
+//! The solve (the talk's fourth stage): sweeps over the phases, one barrier after each.
+//!
+//! ```text
+//! step    = first push + warm sweep, then substeps, then a bounce sweep if something bounces
+//! substep = biased sweeps (phase 0 of the first pushes velocities), relax sweeps (phase 0 of the first moves)
+//! ```
+//! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind.
+
+use crate::config::Settings;
+use crate::constraint::contact::{self, Pass, Sweep};
+use crate::constraint::row::{LinkRow, PointRow};
+use crate::executor::{Executor, Stage};
+use crate::pipeline::layout::{Group, Plan};
+use crate::pipeline::mover::Mover;
+use crate::pipeline::seat::{OtherSeats, Seat};
+use crate::pipeline::tasks::{Crew, Tasks, push};
+
+/// Rows and seats of a step, in solver order.
+pub(crate) struct Rows<'a> {
+    pub plan: &'a Plan,
+    pub groups: &'a [Group],
+    pub links: &'a mut [LinkRow],
+    pub points: &'a mut [PointRow],
+    pub seats: &'a mut [Seat],
+    pub sources: &'a [u32],
+    pub movers: &'a mut [Mover],
+}
+
+/// What phase 0 does with its bodies before the rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Motion {
+    /// Nothing.
+    None,
+    /// Velocities of the first substep.
+    PushFirst,
+    /// Velocities of a later substep, with warm start.
+    PushAgain,
+    /// Positions.
+    Advance,
+}
+
+/// A group at work.
+struct Task<'a> {
+    seats: &'a mut [Seat],
+    sources: &'a [u32],
+    /// Empty after phase 0.
+    movers: &'a mut [Mover],
+    links: &'a mut [LinkRow],
+    points: &'a mut [PointRow],
+}
+
+/// Solves and integrates the step.
+pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
+    let substep = settings.substep();
+    let sweep = |pass| Sweep {
+        pass,
+        substep,
+        push_speed: settings.push_speed,
+        restitution_threshold: settings.restitution_threshold,
+    };
+    run_sweep(rows, &sweep(Pass::Warm), Motion::PushFirst, crew);
+    for index in 0..settings.substeps {
+        let first = if index == 0 { Motion::None } else { Motion::PushAgain };
+        for k in 0..settings.sweeps {
+            run_sweep(rows, &sweep(Pass::Biased), if k == 0 { first } else { Motion::None }, crew);
+        }
+        let pass = if settings.relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
+        run_sweep(rows, &sweep(pass), Motion::Advance, crew);
+        for _ in 1..settings.relax_sweeps {
+            run_sweep(rows, &sweep(Pass::RelaxAgain), Motion::None, crew);
+        }
+    }
+    if rows.groups.iter().any(|group| group.bounces != 0) {
+        run_sweep(rows, &sweep(Pass::Bounce), Motion::None, crew);
+    }
+}
+
+fn run_sweep<E: Executor>(rows: &mut Rows<'_>, sweep: &Sweep, motion: Motion, crew: &mut Crew<'_, E>) {
+    for phase in 0..rows.plan.phase_count {
+        run_phase(rows, sweep, if phase == 0 { motion } else { Motion::None }, (phase, crew));
+    }
+}
+
+fn run_phase<E: Executor>(
+    rows: &mut Rows<'_>,
+    sweep: &Sweep,
+    motion: Motion,
+    (index, crew): (usize, &mut Crew<'_, E>),
+) {
+    let phase = rows.plan.phases[index];
+    let (first, end) = (phase.first_seat as usize, (phase.first_seat + phase.seats) as usize);
+    let (before, rest) = rows.seats[..rows.plan.seats].split_at_mut(first);
+    let (own, after) = rest.split_at_mut(end - first);
+    let others = OtherSeats { before, after, end };
+    let groups = &rows.groups[phase.first_group as usize..(phase.first_group + phase.groups) as usize];
+    let movers = if index == 0 { &mut rows.movers[..end] } else { &mut [] };
+    let mut tasks = cut(groups, (own, &rows.sources[first..end], movers), (rows.links, rows.points));
+    crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
+}
+
+/// A task for each group of a phase, from the phase's slices.
+fn cut<'a>(
+    groups: &[Group],
+    (mut seats, mut sources, mut movers): (&'a mut [Seat], &'a [u32], &'a mut [Mover]),
+    (links, points): (&'a mut [LinkRow], &'a mut [PointRow]),
+) -> Tasks<Task<'a>> {
+    let mut tasks = Tasks::new();
+    let Some(front) = groups.first() else { return tasks };
+    let mut links = &mut links[front.first_row as usize..];
+    let mut points = &mut points[front.first_point as usize..];
+    for group in groups {
+        let count = group.seats as usize;
+        let task = Task {
+            seats: take(&mut seats, count),
+            sources: {
+                let (own, rest) = sources.split_at(count);
+                sources = rest;
+                own
+            },
+            movers: {
+                let count = if movers.is_empty() { 0 } else { count };
+                take(&mut movers, count)
+            },
+            links: take(&mut links, group.rows as usize),
+            points: take(&mut points, group.points as usize),
+        };
+        push(&mut tasks, task);
+    }
+    tasks
+}
+
+/// Cuts the first `count` elements off a slice.
+pub(crate) fn take<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (own, after) = core::mem::take(rest).split_at_mut(count);
+    *rest = after;
+    own
+}
+
+/// A group's visit: pull, move, sweep.
+fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats<'_>) {
+    // Before the first push the other phases' seats hold nothing yet.
+    if motion != Motion::PushFirst {
+        others.pull(task.seats, task.sources);
+    }
+    if motion != Motion::None {
+        for (mover, seat) in task.movers.iter_mut().zip(task.seats.iter_mut()) {
+            match motion {
+                Motion::PushFirst => mover.push_first(seat),
+                Motion::PushAgain => mover.push_again(seat),
+                Motion::Advance => mover.advance(seat, sweep.substep),
+                Motion::None => {}
+            }
+        }
+    }
+    contact::visit(sweep, task.links, task.points, task.seats);
+}

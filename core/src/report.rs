@@ -1,0 +1,28 @@
+//! What a step tells.
+
+/// Counts of one step. All of them follow from the scene alone, never from the executor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepReport {
+    /// Steps taken so far, this one included.
+    pub step: u64,
+    /// Bodies in the world.
+    pub bodies: u32,
+    /// Bodies that were solved.
+    pub active: u32,
+    /// Pairs of shapes whose boxes overlap.
+    pub pairs: u32,
+    /// Contacts, each a manifold of 1 to 4 points: the links of the ordering.
+    pub contacts: u32,
+    /// Phases of a sweep: barriers between them.
+    pub phases: u32,
+    /// Blocks of all phases.
+    pub blocks: u32,
+    /// Calls of the executor with two tasks or more: synchronisations of this step.
+    pub barriers: u32,
+    /// Pairs and contacts that found no room.
+    pub dropped: u32,
+    /// Bodies that were no longer finite and were stopped for good.
+    pub quarantined: u32,
+    /// Bodies whose speed or spin was capped.
+    pub capped: u32,
+}

@@ -1,0 +1,333 @@
+//! The rows of a world's memory, region by region.
+//!
+//! **State** is everything that determines the future, and nothing else: a snapshot copies it, the checksum hashes
+//! it. **Assets** never change after the first step. **Cache** is derived from state; dropping it changes time,
+//! never bits. **Scratch** is made anew by each step.
+
+use crate::arena::region;
+use crate::body::{BodyRow, Motion};
+use crate::cells::{Block, Link};
+use crate::collide::{Edge, Face, Hull, Mesh, Plane, Triangle, tree};
+use crate::collide::{HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX};
+use crate::config::SettingsRow;
+use crate::constraint::row::{LinkRow, PointRow};
+use crate::math::{Aabb, Rotation, Vec3};
+use crate::pipeline::layout::{Group, seats_max};
+use crate::pipeline::mover::Mover;
+use crate::pipeline::seat::Seat;
+use crate::pool::{Marks, words};
+use crate::shape::ShapeRow;
+use bytemuck::{Pod, Zeroable};
+
+/// Marks of all pools, settings and counters: the first section of the state.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Header {
+    /// Steps taken.
+    pub step: u64,
+    /// Raised whenever a static shape's box changes.
+    pub static_version: u64,
+    pub settings: SettingsRow,
+    pub bodies: Marks,
+    pub shapes: Marks,
+    /// Rows of `pairs` in use.
+    pub pairs: u32,
+    /// Rows of `contacts` in use.
+    pub contacts: u32,
+    /// Why the pairs are not those of the boxes: 0 they are, `PAIRS_REMOVED`, `PAIRS_DROPPED`.
+    pub pairs_stale: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// A shape was removed since the last step: its pairs must go.
+pub(crate) const PAIRS_REMOVED: u32 = 1;
+/// Pairs were dropped for want of room: all must be looked for again.
+pub(crate) const PAIRS_DROPPED: u32 = 2;
+
+/// Two shapes whose fat boxes overlap, lower slot first.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+pub(crate) struct Pair {
+    pub a: u32,
+    pub b: u32,
+}
+
+/// What a contact carries from step to step.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct ContactRow {
+    pub pair: Pair,
+    /// Part of a concave shape.
+    pub child: u32,
+    /// Points, 1..=4.
+    pub points: u32,
+    /// Features of the points.
+    pub features: [u32; 4],
+    /// Normal impulses of the points, N s, not negative.
+    pub impulses: [f32; 4],
+    /// Friction impulse on the body of shape B, N s, in the world.
+    pub friction: Vec3,
+    /// Impulse of the twist about the normal on the body of shape B, N m s.
+    pub twist: f32,
+}
+
+impl ContactRow {
+    /// Sort key of the pool: pair, then child.
+    pub fn key(&self) -> (Pair, u32) {
+        (self.pair, self.child)
+    }
+}
+
+region! {
+    /// Everything that determines the future.
+    StateLayout, State, |c| {
+        header: Header = 1,
+        motions: Motion = c.bodies as usize,
+        bodies: BodyRow = c.bodies as usize,
+        body_generations: u32 = c.bodies as usize,
+        body_used: u64 = words(c.bodies as usize),
+        shapes: ShapeRow = c.shapes as usize,
+        shape_generations: u32 = c.shapes as usize,
+        shape_used: u64 = words(c.shapes as usize),
+        /// Sorted, distinct.
+        pairs: Pair = c.pairs as usize,
+        /// Sorted by key, distinct.
+        contacts: ContactRow = c.contacts as usize,
+    }
+}
+
+/// Counts of the assets.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct AssetHeader {
+    /// Hash of everything registered, in order.
+    pub hash: u64,
+    pub hulls: u32,
+    pub meshes: u32,
+    pub vertices: u32,
+    pub triangles: u32,
+    pub nodes: u32,
+    pub reserved: u32,
+}
+
+/// A convex hull, tables and all.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct HullRow {
+    pub vertices: [Vec3; HULL_VERTICES_MAX],
+    pub planes: [Plane; HULL_FACES_MAX],
+    pub faces: [Face; HULL_FACES_MAX],
+    pub loops: [u8; 2 * HULL_EDGES_MAX],
+    pub edges: [Edge; HULL_EDGES_MAX],
+    pub center: Vec3,
+    pub vertex_count: u32,
+    pub face_count: u32,
+    pub loop_count: u32,
+    pub edge_count: u32,
+}
+
+impl HullRow {
+    pub fn view(&self) -> Hull<'_> {
+        Hull {
+            vertices: &self.vertices[..self.vertex_count as usize],
+            planes: &self.planes[..self.face_count as usize],
+            faces: &self.faces[..self.face_count as usize],
+            loops: &self.loops[..self.loop_count as usize],
+            edges: &self.edges[..self.edge_count as usize],
+            center: self.center,
+        }
+    }
+}
+
+/// A mesh: runs of the tables of all meshes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct MeshRow {
+    pub first_vertex: u32,
+    pub vertices: u32,
+    pub first_triangle: u32,
+    pub triangles: u32,
+    pub first_node: u32,
+    pub nodes: u32,
+}
+
+region! {
+    /// Immutable geometry.
+    AssetsLayout, Assets, |c| {
+        header: AssetHeader = 1,
+        hulls: HullRow = c.hulls as usize,
+        meshes: MeshRow = c.meshes as usize,
+        vertices: Vec3 = c.mesh_vertices as usize,
+        triangles: Triangle = c.mesh_triangles as usize,
+        nodes: Aabb = c.mesh_triangles as usize * 3 / 2 + 16 * c.meshes as usize,
+        order: u32 = c.mesh_triangles as usize,
+    }
+}
+
+/// Read access to the assets, shared by the tasks of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct AssetTables<'a> {
+    pub hulls: &'a [HullRow],
+    pub meshes: &'a [MeshRow],
+    pub vertices: &'a [Vec3],
+    pub triangles: &'a [Triangle],
+    pub nodes: &'a [Aabb],
+    pub order: &'a [u32],
+}
+
+impl<'a> AssetTables<'a> {
+    pub fn new(layout: &AssetsLayout, region: &'a [u8]) -> Self {
+        Self {
+            hulls: layout.hulls.of(region),
+            meshes: layout.meshes.of(region),
+            vertices: layout.vertices.of(region),
+            triangles: layout.triangles.of(region),
+            nodes: layout.nodes.of(region),
+            order: layout.order.of(region),
+        }
+    }
+
+    pub fn mesh(&self, index: u32) -> Mesh<'a> {
+        let row = &self.meshes[index as usize];
+        let run = |first: u32, count: u32| first as usize..(first + count) as usize;
+        Mesh {
+            vertices: &self.vertices[run(row.first_vertex, row.vertices)],
+            triangles: &self.triangles[run(row.first_triangle, row.triangles)],
+            tree: tree::Tree {
+                nodes: &self.nodes[run(row.first_node, row.nodes)],
+                order: &self.order[run(row.first_triangle, row.triangles)],
+            },
+        }
+    }
+}
+
+/// What the trees of the broadphase were built from.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct CacheHeader {
+    /// `static_version + 1` of the state when the static tree was built; 0 when there is none.
+    pub static_stamp: u64,
+    /// 1 when the tree of moving shapes fits the boxes in the state.
+    pub moving_fits: u32,
+    pub static_leaves: u32,
+    pub moving_leaves: u32,
+    pub reserved: u32,
+    /// Sector in which both trees count their coordinates.
+    pub sector: [i32; 3],
+    pub reserved_2: u32,
+}
+
+region! {
+    /// Derived from the state, kept between steps.
+    CacheLayout, Cache, |c| {
+        header: CacheHeader = 1,
+        static_nodes: Aabb = tree::node_count(c.shapes as usize),
+        static_order: u32 = c.shapes as usize,
+        moving_nodes: Aabb = tree::node_count(c.shapes as usize),
+        moving_order: u32 = c.shapes as usize,
+    }
+}
+
+/// A manifold found in this step, in the world's axes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Touch {
+    pub row: ContactRow,
+    /// Slots of the bodies of shapes A and B.
+    pub bodies: [u32; 2],
+    /// From A to B.
+    pub normal: Vec3,
+    /// Points relative to the center of mass of body A.
+    pub anchors: [Vec3; 4],
+    /// Metres; negative when they overlap.
+    pub separations: [f32; 4],
+    /// From the center of body A to that of body B.
+    pub centers: Vec3,
+    pub friction: f32,
+    pub restitution: f32,
+    /// 1 when the contact was there in the step before.
+    pub kept: u32,
+}
+
+/// A body that takes part in the solve.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Active {
+    /// W with W W = inverse inertia, about the world's axes at the start of the step: xx, yy, zz, xy, xz, yz.
+    pub root: [f32; 6],
+    /// 1/kg.
+    pub inverse_mass: f32,
+    /// Bits 0..3: world axes along which the body does not move.
+    pub locks: u32,
+    /// Velocity gained from gravity and force in a substep, m/s.
+    pub push: Vec3,
+    /// Slot of the body.
+    pub body: u32,
+}
+
+region! {
+    /// Made anew by each step.
+    ScratchLayout, Scratch, |c| {
+        /// Boxes of the leaves of a tree that is built, by shape.
+        tree_boxes: Aabb = c.shapes as usize,
+        tree_keys: u64 = c.shapes as usize,
+        /// Shapes whose boxes changed, ascending.
+        moved: u32 = c.shapes as usize,
+        /// 1 for such a shape.
+        is_moved: u8 = c.shapes as usize,
+        /// Pairs found for moved shapes, twice the capacity so that the best can be chosen.
+        found: u64 = 2 * c.pairs as usize,
+        /// First touch of each pair.
+        pair_first: u32 = c.pairs as usize + 1,
+        touches: Touch = c.pairs as usize + c.contacts as usize,
+        /// Touch of each contact.
+        contact_touch: u32 = c.contacts as usize,
+        /// Touches that compete for room.
+        candidates: u32 = c.pairs as usize + c.contacts as usize,
+        /// Index among the active bodies by slot; `u32::MAX` for none.
+        active_of: u32 = c.bodies as usize,
+        active: Active = c.bodies as usize,
+        links: Link = c.contacts as usize,
+        order: u32 = c.contacts as usize,
+        blocks: Block = c.contacts as usize,
+        ordering: u32 = crate::cells::scratch_words(c.bodies as usize, c.contacts as usize),
+        groups: Group = crate::pipeline::layout::groups_max(c),
+        /// Contact of each lane of each row; `u32::MAX` for none.
+        lane_contacts: [u32; 8] = c.contacts as usize,
+        /// Seats of bodies A and then B of each lane of each row, from the group's first.
+        lane_seats: [u32; 16] = c.contacts as usize,
+        link_rows: LinkRow = c.contacts as usize,
+        point_rows: PointRow = 4 * c.contacts as usize,
+        seats: Seat = seats_max(c),
+        seat_sources: u32 = seats_max(c),
+        /// Active body of each seat; `u32::MAX` for the scratch seats of lanes.
+        seat_bodies: u32 = seats_max(c),
+        /// The seat that has the body last, by active body.
+        last_seats: u32 = c.bodies as usize,
+        /// The seat of phase 0, by active body.
+        first_seats: u32 = c.bodies as usize,
+        /// First point of each row.
+        row_points: u32 = c.contacts as usize,
+        /// Chain of each block of the phase that is laid out.
+        block_chains: u32 = c.contacts as usize,
+        /// The body's seat in the phase that is laid out, by active body.
+        phase_seats: u32 = c.bodies as usize,
+        /// Where a contact was placed: row * 8 + lane.
+        contact_places: u32 = c.contacts as usize,
+        movers: Mover = seats_max_first(c),
+        /// For registering a mesh.
+        mesh_words: u64 = crate::collide::mesh::scratch_len(c.mesh_triangles as usize),
+        mesh_boxes: Aabb = c.mesh_triangles as usize,
+    }
+}
+
+/// Seats of phase 0: every active body once, and the scratch seats of its groups.
+const fn seats_max_first(c: &crate::world::Capacities) -> usize {
+    crate::pipeline::layout::first_phase_seats_max(c)
+}
+
+/// The rotation of a body's principal frame.
+pub(crate) fn principal_rotation(motion: &Motion, row: &BodyRow) -> Rotation {
+    motion.rotation.after(row.axes)
+}

@@ -1,0 +1,150 @@
+//! Reading contacts.
+
+use super::World;
+use crate::arena::Line;
+use crate::body::Position;
+use crate::collide::{self, Manifolds};
+use crate::config::SPECULATIVE_DISTANCE;
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::math::{Pose, Vec3};
+use crate::pipeline::solid;
+use crate::pool;
+use crate::shape::FRESH;
+use crate::state::ContactRow;
+
+/// A contact of the last step: a manifold of 1 to 4 points between two shapes, with its impulses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The two shapes, lower slot first. The normal goes from the first to the second.
+    pub shapes: [ShapeHandle; 2],
+    /// Their bodies.
+    pub bodies: [BodyHandle; 2],
+    /// Part of a concave shape: its least triangle; 0 else.
+    pub child: u32,
+    /// Number of points, 1..=4.
+    pub points: u32,
+    /// Features of the points; only the first `points` mean something.
+    pub features: [u32; 4],
+    /// Normal impulses of the points in the last substep, N s: force times substep. Not negative.
+    pub impulses: [f32; 4],
+    /// Friction impulse on the second body in the last substep, N s in the world.
+    pub friction: Vec3,
+    /// Impulse of the twist about the normal on the second body, N m s.
+    pub twist: f32,
+}
+
+impl Contact {
+    /// Sum of the normal impulses, N s: divided by the substep it is the normal force.
+    pub fn normal_impulse(&self) -> f32 {
+        self.impulses[..self.points as usize].iter().fold(0.0, |sum, x| sum + x)
+    }
+}
+
+/// The geometry of a contact at the bodies' poses now.
+#[derive(Clone, Debug)]
+pub struct WorldManifold {
+    /// Part of a concave shape: its least triangle; 0 else.
+    pub child: u32,
+    /// Unit normal from the first shape to the second.
+    pub normal: Vec3,
+    /// Points of contact.
+    pub points: heapless::Vec<ContactPoint, 4>,
+}
+
+/// A point of a [`WorldManifold`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Middle between the surfaces.
+    pub position: Position,
+    /// Distance of the surfaces, metres; negative when they overlap.
+    pub separation: f32,
+    /// Names the features that touch.
+    pub feature: u32,
+}
+
+impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
+    /// Contacts of the last step, in the order of their shapes' slots. Those of shapes that were removed, moved or
+    /// changed since are left out.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        let spans = &self.layout.state;
+        let used = spans.shape_used.of(self.state());
+        let shapes = spans.shapes.of(self.state());
+        let lives = move |slot: u32| pool::is_used(used, slot) && shapes[slot as usize].flags & FRESH == 0;
+        spans.contacts.of(self.state())[..self.header().contacts as usize]
+            .iter()
+            .filter(move |row| lives(row.pair.a) && lives(row.pair.b))
+            .map(|row| self.contact(row))
+    }
+
+    fn contact(&self, row: &ContactRow) -> Contact {
+        let spans = &self.layout.state;
+        let shape_generations = spans.shape_generations.of(self.state());
+        let body_generations = spans.body_generations.of(self.state());
+        let shapes = spans.shapes.of(self.state());
+        let slots = [row.pair.a, row.pair.b];
+        Contact {
+            shapes: slots.map(|index| ShapeHandle { index, generation: shape_generations[index as usize] }),
+            bodies: slots.map(|slot| {
+                let index = shapes[slot as usize].body;
+                BodyHandle { index, generation: body_generations[index as usize] }
+            }),
+            child: row.child,
+            points: row.points,
+            features: row.features,
+            impulses: row.impulses,
+            friction: row.friction,
+            twist: row.twist,
+        }
+    }
+
+    /// The manifolds of two shapes at the poses now, points up to the speculative distance apart included. Visits
+    /// none when the shapes do not touch or a handle is stale.
+    pub fn manifolds(&self, a: ShapeHandle, b: ShapeHandle, mut visit: impl FnMut(&WorldManifold)) {
+        let (Ok(a), Ok(b)) = (self.shape_slot(a), self.shape_slot(b)) else { return };
+        let spans = &self.layout.state;
+        let shapes = spans.shapes.of(self.state());
+        let (bodies, motions) = (spans.bodies.of(self.state()), spans.motions.of(self.state()));
+        let side = |slot: usize| (&shapes[slot], &bodies[shapes[slot].body as usize], &motions[shapes[slot].body as usize]);
+        let ((sa, ba, ma), (sb, bb, mb)) = (side(a), side(b));
+        let frame_a = ma.local_to_center(ba, &sa.pose);
+        let local = mb.local_to_center(bb, &sb.pose);
+        let frame_b = Pose::new(local.position + mb.center.minus(ma.center), local.rotation);
+        let b_in_a = frame_a.inverse().after(&frame_b);
+        let tables = self.asset_tables();
+        let mut found = Manifolds::new();
+        collide::collide(&solid(sa, &tables), &solid(sb, &tables), &b_in_a, SPECULATIVE_DISTANCE, &mut found);
+        for manifold in &found {
+            let points = manifold.points.iter().map(|point| ContactPoint {
+                position: ma.center.plus(frame_a.transform(point.position)),
+                separation: point.separation,
+                feature: point.feature,
+            });
+            visit(&WorldManifold {
+                child: manifold.child,
+                normal: frame_a.rotation.rotate(manifold.normal),
+                points: points.collect(),
+            });
+        }
+    }
+
+    /// Visits the separation of every point of every contact at the poses now, metres; negative when overlapping.
+    pub fn separations(&self, mut visit: impl FnMut(f32)) {
+        let mut before = None;
+        for contact in self.contacts() {
+            // A mesh has several contacts with one shape: one look finds all.
+            if before != Some(contact.shapes) {
+                self.manifolds(contact.shapes[0], contact.shapes[1], |manifold| {
+                    manifold.points.iter().for_each(|point| visit(point.separation));
+                });
+            }
+            before = Some(contact.shapes);
+        }
+    }
+
+    /// Deepest overlap of all contacts at the poses now, metres; 0 when there is none.
+    pub fn penetration_max(&self) -> f32 {
+        let mut deepest = 0.0;
+        self.separations(|separation| deepest = crate::math::max(deepest, -separation));
+        deepest
+    }
+}

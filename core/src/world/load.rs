@@ -1,0 +1,287 @@
+//! Taking state from bytes of unknown origin: accepted exactly, or refused.
+
+use super::World;
+use super::snapshot::{Section, check_content, parts};
+use crate::arena::Line;
+use crate::body::{self, BodyKind, BodyRow, FLAGS_ALL, Motion};
+use crate::config::{SECTOR_MAX, SECTOR_REACH};
+use crate::error::{Error, SnapshotError};
+use crate::math::{Rotation, Vec3};
+use crate::pool::{Marks, words};
+use crate::shape::{BOX_STALE, FRESH, Geometry, ShapeRow};
+use crate::state::{ContactRow, Header, Pair};
+use crate::validate;
+use bytemuck::{AnyBitPattern, Zeroable};
+
+/// Greatest speed that the solver leaves: the cap on each component, with room for a restitution sweep.
+const SPEED_LEFT_MAX: f32 = 1.0e9;
+
+/// Rows of a section in bytes of any alignment.
+struct Rows<'a, T> {
+    bytes: &'a [u8],
+    kind: core::marker::PhantomData<T>,
+}
+
+impl<'a, T: AnyBitPattern> Rows<'a, T> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, kind: core::marker::PhantomData }
+    }
+
+    fn len(&self) -> u32 {
+        (self.bytes.len() / size_of::<T>()) as u32
+    }
+
+    fn get(&self, index: u32) -> T {
+        let start = index as usize * size_of::<T>();
+        bytemuck::pod_read_unaligned(&self.bytes[start..start + size_of::<T>()])
+    }
+
+    fn iter(&self) -> impl Iterator<Item = T> + '_ {
+        (0..self.len()).map(|i| self.get(i))
+    }
+}
+
+/// The sections of a snapshot.
+struct Parts<'a> {
+    header: Header,
+    motions: Rows<'a, Motion>,
+    bodies: Rows<'a, BodyRow>,
+    body_generations: Rows<'a, u32>,
+    body_used: Rows<'a, u64>,
+    shapes: Rows<'a, ShapeRow>,
+    shape_generations: Rows<'a, u32>,
+    shape_used: Rows<'a, u64>,
+    pairs: Rows<'a, Pair>,
+    contacts: Rows<'a, ContactRow>,
+}
+
+/// What rows may refer to.
+struct Limits {
+    bodies: u32,
+    shapes: u32,
+    hulls: u32,
+    meshes: u32,
+}
+
+type Checked = Result<(), SnapshotError>;
+
+fn require(holds: bool, section: &'static str, index: u32) -> Checked {
+    if holds { Ok(()) } else { Err(SnapshotError::Invalid { section, index }) }
+}
+
+impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
+    /// Takes a snapshot from anywhere. Every row is checked; the state becomes exactly the snapshot's, or stays.
+    ///
+    /// A state that is accepted steps without panic. It need not be one that a game can reach.
+    ///
+    /// # Errors
+    /// A [`SnapshotError`]; the world is unchanged.
+    pub fn load(&mut self, snapshot: &[u8]) -> Result<(), Error> {
+        let header = self.check_header(snapshot)?;
+        check_content(snapshot)?;
+        let sections: [Section; _] = self.sections_for(&header);
+        let [_, motions, bodies, body_generations, body_used, shapes, shape_generations, shape_used, pairs, contacts] =
+            parts(snapshot, &sections);
+        let parts = Parts {
+            header,
+            motions: Rows::new(motions),
+            bodies: Rows::new(bodies),
+            body_generations: Rows::new(body_generations),
+            body_used: Rows::new(body_used),
+            shapes: Rows::new(shapes),
+            shape_generations: Rows::new(shape_generations),
+            shape_used: Rows::new(shape_used),
+            pairs: Rows::new(pairs),
+            contacts: Rows::new(contacts),
+        };
+        let assets = self.layout.assets.header.of(self.bytes())[0];
+        let limits = Limits {
+            bodies: self.capacities.bodies,
+            shapes: self.capacities.shapes,
+            hulls: assets.hulls,
+            meshes: assets.meshes,
+        };
+        parts.check(&limits)?;
+        self.copy_in(snapshot, &header);
+        Ok(())
+    }
+}
+
+impl Parts<'_> {
+    fn check(&self, limits: &Limits) -> Checked {
+        let header = &self.header;
+        let settings = header.settings.read().is_some();
+        require(settings && header.reserved == 0 && header.pairs_stale <= 3, "header", 0)?;
+        check_pool(&header.bodies, &self.body_used, &self.body_generations, limits.bodies, "body_used")?;
+        check_pool(&header.shapes, &self.shape_used, &self.shape_generations, limits.shapes, "shape_used")?;
+        for slot in 0..header.bodies.high {
+            require(self.body_holds(slot), "bodies", slot)?;
+        }
+        for slot in 0..header.shapes.high {
+            require(self.shape_holds(slot, limits), "shapes", slot)?;
+        }
+        self.check_lists()?;
+        self.check_pairs()?;
+        self.check_contacts()
+    }
+
+    fn body_is_used(&self, slot: u32) -> bool {
+        slot < self.header.bodies.high && self.body_used.get(slot / 64) >> (slot % 64) & 1 == 1
+    }
+
+    fn shape_is_used(&self, slot: u32) -> bool {
+        slot < self.header.shapes.high && self.shape_used.get(slot / 64) >> (slot % 64) & 1 == 1
+    }
+
+    fn body_holds(&self, slot: u32) -> bool {
+        let (row, motion) = (self.bodies.get(slot), self.motions.get(slot));
+        if !self.body_is_used(slot) {
+            return is_zero(&row) && is_zero(&motion);
+        }
+        let is_static = row.kind() == BodyKind::Static;
+        let still = motion.linear == Vec3::ZERO && motion.angular == Vec3::ZERO;
+        let inside = |p: &crate::body::Position| {
+            p.sector.iter().all(|s| s.unsigned_abs() <= SECTOR_MAX as u32)
+                && validate::vector_within("", p.offset, SECTOR_REACH).is_ok()
+        };
+        row.flags & !FLAGS_ALL == 0
+            && row.flags & body::KIND_MASK <= BodyKind::Dynamic as u32
+            && inside(&motion.center)
+            && is_rotation(motion.rotation)
+            && validate::vector_within("", motion.linear, SPEED_LEFT_MAX).is_ok()
+            && validate::vector_within("", motion.angular, SPEED_LEFT_MAX).is_ok()
+            && (!is_static || still)
+            && body::check_mass(&row.mass_properties()).is_ok()
+            && validate::in_range("", row.linear_damping, 0.0, 1.0e4).is_ok()
+            && validate::in_range("", row.angular_damping, 0.0, 1.0e4).is_ok()
+            && validate::in_range("", row.gravity_scale, -1.0e3, 1.0e3).is_ok()
+            && validate::vector_within("", row.force, 1.0e15).is_ok()
+            && validate::vector_within("", row.torque, 1.0e15).is_ok()
+    }
+
+    fn shape_holds(&self, slot: u32, limits: &Limits) -> bool {
+        let row = self.shapes.get(slot);
+        if !self.shape_is_used(slot) {
+            return is_zero(&row);
+        }
+        let Some(geometry) = row.geometry() else { return false };
+        let mut canonical = row;
+        canonical.set_geometry(&geometry);
+        let known = match geometry {
+            Geometry::Hull(hull) => hull.0 < limits.hulls,
+            Geometry::Mesh(mesh) => mesh.0 < limits.meshes,
+            _ => true,
+        };
+        let dynamic = self.body_is_used(row.body) && self.bodies.get(row.body).is_dynamic();
+        let boxed = row.fat_box.min.is_finite() && row.fat_box.max.is_finite();
+        known
+            && geometry.check().is_ok()
+            && bytemuck::bytes_of(&canonical) == bytemuck::bytes_of(&row)
+            && self.body_is_used(row.body)
+            && (row.is_convex() || !dynamic)
+            && validate::vector_within("", row.pose.position, validate::EXTENT_MAX).is_ok()
+            && is_rotation(row.pose.rotation)
+            && validate::in_range("", row.density, 0.0, 1.0e9).is_ok()
+            && crate::shape::check_material(row.friction, row.restitution).is_ok()
+            && row.flags & !(BOX_STALE | FRESH) == 0
+            && boxed
+    }
+
+    /// Every used shape is in the list of its own body, once.
+    fn check_lists(&self) -> Checked {
+        let mut listed = 0;
+        for slot in 0..self.header.bodies.high {
+            if !self.body_is_used(slot) {
+                continue;
+            }
+            let mut next = self.bodies.get(slot).first_shape;
+            while next != u32::MAX {
+                // A list that runs in a circle, or into another, counts more shapes than there are.
+                listed += 1;
+                let holds = self.shape_is_used(next)
+                    && self.shapes.get(next).body == slot
+                    && listed <= self.header.shapes.count;
+                require(holds, "bodies", slot)?;
+                next = self.shapes.get(next).next;
+            }
+        }
+        require(listed == self.header.shapes.count, "shapes", 0)
+    }
+
+    fn check_pairs(&self) -> Checked {
+        let mut before = None;
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let ascends = before.is_none_or(|before| before < pair);
+            let known = pair.a < pair.b && pair.b < self.header.shapes.high;
+            require(ascends && known && self.may_meet(pair), "pairs", i as u32)?;
+            before = Some(pair);
+        }
+        Ok(())
+    }
+
+    /// A pair of shapes that live may have to be collided: it must be one that can be.
+    fn may_meet(&self, pair: Pair) -> bool {
+        if !self.shape_is_used(pair.a) || !self.shape_is_used(pair.b) {
+            return true;
+        }
+        let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
+        // Shapes that are looked for again are taken out of the pairs before anything reads them.
+        let renewed = (a.flags | b.flags) & BOX_STALE != 0;
+        let dynamic = |s: &ShapeRow| self.bodies.get(s.body).is_dynamic();
+        renewed
+            || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && (a.is_convex() || b.is_convex()))
+    }
+
+    fn check_contacts(&self) -> Checked {
+        let mut before = None;
+        for (i, row) in self.contacts.iter().enumerate() {
+            let ascends = before.is_none_or(|before| before < row.key());
+            require(ascends && self.contact_holds(&row), "contacts", i as u32)?;
+            before = Some(row.key());
+        }
+        Ok(())
+    }
+
+    fn contact_holds(&self, row: &ContactRow) -> bool {
+        let impulse = |x: f32| x.is_finite() && x >= 0.0 && x.to_bits() != (-0.0_f32).to_bits();
+        let unused = row.points.min(4) as usize..4;
+        row.pair.a < row.pair.b
+            && row.pair.b < self.header.shapes.high
+            && (1..=4).contains(&row.points)
+            && row.impulses.iter().all(|&x| impulse(x))
+            && row.impulses[unused.clone()].iter().all(|&x| x == 0.0)
+            && row.features[unused].iter().all(|&x| x == 0)
+            && row.friction.is_finite()
+            && row.twist.is_finite()
+    }
+}
+
+fn is_zero<T: bytemuck::Pod + Zeroable>(row: &T) -> bool {
+    bytemuck::bytes_of(row).iter().all(|&byte| byte == 0)
+}
+
+fn is_rotation(q: Rotation) -> bool {
+    validate::rotation("", q).is_ok()
+}
+
+/// The marks, the occupancy bits and the generations agree.
+fn check_pool(
+    marks: &Marks,
+    used: &Rows<'_, u64>,
+    generations: &Rows<'_, u32>,
+    capacity: u32,
+    section: &'static str,
+) -> Checked {
+    let count: u32 = used.iter().map(u64::count_ones).sum();
+    require(marks.count == count && marks.reserved == 0, section, 0)?;
+    let mut first_free = marks.high;
+    for slot in (0..words(marks.high as usize) as u32 * 64).rev() {
+        let taken = used.get(slot / 64) >> (slot % 64) & 1 == 1;
+        require(slot < marks.high || !taken, section, slot)?;
+        if slot < marks.high {
+            require(generations.get(slot) != 0, section, slot)?;
+            first_free = if taken { first_free } else { slot };
+        }
+    }
+    require(marks.high <= capacity && marks.first_free == first_free, section, 0)
+}

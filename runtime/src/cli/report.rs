@@ -1,0 +1,99 @@
+//! What `cellstep run` tells, as a JSON object and as a table.
+
+use serde::Serialize;
+use std::fmt::{self, Display};
+
+/// The outcome of a run. The names of the fields are the keys of the JSON object.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// The scene as it was named.
+    pub scene: String,
+    /// Steps made.
+    pub steps: u32,
+    /// Threads.
+    pub workers: usize,
+    /// Substeps of a step.
+    pub substeps: u32,
+    /// Bodies at the end.
+    pub bodies: usize,
+    /// Pairs of boxes in the last step.
+    pub pairs: u32,
+    /// Contacts in the last step.
+    pub contacts: u32,
+    /// Phases of the last step's ordering.
+    pub phases: u32,
+    /// Blocks of the last step's ordering.
+    pub blocks: u32,
+    /// Barriers, mean of the steps.
+    pub barriers_per_step: f64,
+    /// What did not fit into the capacities, in all steps.
+    pub dropped: u64,
+    /// Bodies stopped because they became non-finite, in all steps.
+    pub quarantined: u64,
+    /// Bytes of a snapshot at the end.
+    pub state_bytes: usize,
+    /// Checksum of the state at the end, 16 hexadecimal digits: JSON numbers do not hold 64 bits everywhere.
+    pub checksum: String,
+    /// Wall-clock time of a step, milliseconds, mean.
+    pub ms_per_step: f64,
+    /// The same by stage.
+    pub stage_ms: StageMs,
+    /// Deepest overlap at the end, metres.
+    pub penetration_max: f32,
+}
+
+/// Wall-clock time of each stage of a step, milliseconds, mean.
+#[derive(Debug, Serialize)]
+pub struct StageMs {
+    /// Candidate pairs.
+    pub broadphase: f64,
+    /// Contact points.
+    pub narrowphase: f64,
+    /// Connected groups.
+    pub islands: f64,
+    /// Cellular ordering.
+    pub ordering: f64,
+    /// Rows.
+    pub assembly: f64,
+    /// Sweeps and integration.
+    pub solve: f64,
+    /// Results written back.
+    pub finish: f64,
+    /// The part of the whole step that runs on one thread; it is contained in the stages.
+    pub serial: f64,
+}
+
+impl Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: &dyn Display| writeln!(f, "{name:<20} {value:>16}");
+        row("scene", &self.scene)?;
+        row("steps", &self.steps)?;
+        row("workers", &self.workers)?;
+        row("substeps", &self.substeps)?;
+        row("bodies", &self.bodies)?;
+        row("pairs", &self.pairs)?;
+        row("contacts", &self.contacts)?;
+        row("phases", &self.phases)?;
+        row("blocks", &self.blocks)?;
+        row("barriers per step", &format!("{:.1}", self.barriers_per_step))?;
+        row("dropped", &self.dropped)?;
+        row("quarantined", &self.quarantined)?;
+        row("state bytes", &self.state_bytes)?;
+        row("penetration, mm", &format!("{:.3}", self.penetration_max * 1.0e3))?;
+        row("checksum", &self.checksum)?;
+        row("", &"ms per step")?;
+        let stages = &self.stage_ms;
+        let times = [
+            ("broadphase", stages.broadphase),
+            ("narrowphase", stages.narrowphase),
+            ("islands", stages.islands),
+            ("ordering", stages.ordering),
+            ("assembly", stages.assembly),
+            ("solve", stages.solve),
+            ("finish", stages.finish),
+            ("whole step", self.ms_per_step),
+            ("of it on one thread", stages.serial),
+        ];
+        times.into_iter().try_for_each(|(name, ms)| row(name, &format!("{ms:.3}")))
+    }
+}

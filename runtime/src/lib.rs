@@ -1,0 +1,60 @@
+//! Deterministic rigid bodies in three dimensions: the same bits for any number of workers, on every machine.
+//!
+//! This crate is `cellstep-core`, re-exported whole, with what needs an operating system: worlds whose memory comes
+//! from the heap ([`new_world`]), a pool of threads that runs a step's tasks ([`Pool`]), times of stages ([`Timed`]),
+//! and, behind the feature `scene`, scene documents and the built-in scenes.
+//!
+//! ```
+//! use cellstep::math::Vec3;
+//! use cellstep::{BodyDef, BodyKind, Capacities, Geometry, Pool, ShapeDef, new_world};
+//!
+//! let mut world = new_world(Capacities::for_bodies(2))?;
+//! let ground = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO))?;
+//! world.create_shape(ground, &ShapeDef::new(Geometry::HalfSpace))?;
+//! let ball = world.create_body(&BodyDef::new(BodyKind::Dynamic, Vec3::new(0.0, 0.0, 5.0)))?;
+//! world.create_shape(ball, &ShapeDef::new(Geometry::Sphere { radius: 0.5 }))?;
+//!
+//! let mut pool = Pool::new(2)?;
+//! for _ in 0..300 {
+//!     world.step(&mut pool);
+//! }
+//! let height = world.position(ball)?.to_f64()[2];
+//! assert!((height - 0.5).abs() < 0.01, "the ball lies on the ground");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Features
+//!
+//! - `scene`: `scene` documents in JSON, meshes from OBJ files, built-in scenes.
+//! - `cli`: the command `cellstep`; implies `scene`.
+//!
+//! No feature changes any result.
+
+mod epoch;
+pub mod float_mode;
+mod job;
+pub mod pool;
+#[cfg(feature = "scene")]
+pub mod scene;
+mod spin;
+mod sync;
+pub mod timed;
+
+pub use cellstep_core::*;
+pub use pool::Pool;
+pub use timed::Timed;
+
+/// Makes a world on memory from the heap, all of it now: stepping allocates nothing.
+///
+/// # Errors
+/// Those of [`World::new`]; [`Error::MemoryTooSmall`] with nothing given when the system has not so much memory.
+pub fn new_world(capacities: Capacities) -> Result<World<Vec<Line>>, Error> {
+    capacities.check()?;
+    let needed = capacities.lines();
+    let mut memory = Vec::new();
+    if memory.try_reserve_exact(needed).is_err() {
+        return Err(Error::MemoryTooSmall { needed, given: 0 });
+    }
+    memory.resize(needed, Line::ZERO);
+    World::new(memory, capacities)
+}

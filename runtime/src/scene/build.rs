@@ -1,0 +1,259 @@
+//! Document to world.
+
+use super::check;
+use super::clean::{self, Notes, Soup};
+use super::error::{Problem, SceneError};
+use super::format::*;
+use super::place::Place;
+use super::{Limits, obj, rotation};
+use crate::new_world;
+use cellstep_core::math::{Pose, Rotation, Vec3};
+use cellstep_core::{
+    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle, Line, MassProperties, MeshHandle,
+    Position, ShapeDef, World,
+};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Room for pairs of boxes that a scene gets for each shape: a dense pile of alike bodies needs about 8.
+pub const PAIRS_PER_SHAPE: u32 = 16;
+/// Room for contacts that a scene gets for each shape: a ball in a dense pile touches up to 12 others and a contact
+/// is shared by two; the rest is for meshes, where one pair may have several.
+pub const CONTACTS_PER_SHAPE: u32 = 8;
+/// Room for pairs and for contacts that a scene gets on top: small scenes are not dense.
+pub const ROOM_BASE: u32 = 64;
+/// Most room for pairs and for contacts that a scene gets unasked: what [`Capacities`] allow.
+const ROOM_MAX: u32 = 1 << 24;
+
+/// A world made from a scene.
+pub struct Build {
+    /// The world, before its first step.
+    pub world: World<Vec<Line>>,
+    /// Its bodies, in the order of the document.
+    pub bodies: Vec<BodyHandle>,
+    /// For each mesh that was mended on import: its name in the document and what was done.
+    pub notes: Vec<(String, Notes)>,
+}
+
+/// The room that a scene gets: as many bodies, shapes and assets as it has; [`PAIRS_PER_SHAPE`] and
+/// [`CONTACTS_PER_SHAPE`] for each shape and [`ROOM_BASE`] more; where the document names a capacity, that.
+///
+/// `vertices` and `triangles` are those of all meshes together.
+pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacities {
+    let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let given = &scene.capacities;
+    let shapes = given.shapes.unwrap_or(count(scene.shape_count()));
+    let room = |per_shape: u32| shapes.saturating_mul(per_shape).saturating_add(ROOM_BASE).min(ROOM_MAX);
+    Capacities {
+        bodies: given.bodies.unwrap_or(count(scene.bodies.len())),
+        shapes,
+        pairs: given.pairs.unwrap_or(room(PAIRS_PER_SHAPE)),
+        contacts: given.contacts.unwrap_or(room(CONTACTS_PER_SHAPE)),
+        hulls: count(scene.hulls.len()),
+        meshes: count(scene.meshes.len()),
+        mesh_vertices: count(vertices),
+        mesh_triangles: count(triangles),
+    }
+}
+
+impl Scene {
+    /// Makes the world of this scene within the default [`Limits`]. Mesh files are looked for below `folder`.
+    ///
+    /// Everything is checked again, since a scene is a plain value; errors have the path in the document.
+    pub fn build(&self, folder: &Path) -> Result<Build, SceneError> {
+        self.build_within(folder, &Limits::default())
+    }
+
+    /// Makes the world of this scene within given limits. Mesh files are looked for below `folder`.
+    pub fn build_within(&self, folder: &Path, limits: &Limits) -> Result<Build, SceneError> {
+        check::check(self, limits)?;
+        let mut notes = Vec::new();
+        let meshes = meshes(self, folder, limits, &mut notes)?;
+        let vertices = meshes.iter().map(|mesh| mesh.vertices.len()).sum();
+        let triangles = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        let capacities = capacities(self, vertices, triangles);
+        let world = Place::Root;
+        check::at_most(
+            world.key("capacities"),
+            "bytes of memory",
+            (capacities.lines() as u64).saturating_mul(size_of::<Line>() as u64),
+            limits.memory_bytes,
+        )?;
+        let refused = |place: Place<'_>, error| SceneError::new(place, Problem::World(error));
+        let mut world = new_world(capacities).map_err(|e| refused(Place::Root.key("capacities"), e))?;
+        let mut settings = world.settings();
+        self.settings.apply(&mut settings);
+        settings.gravity = Vec3::from(self.gravity);
+        world.set_settings(&settings).map_err(|e| refused(Place::Root.key("settings"), e))?;
+        let assets = register(self, &meshes, &mut world)?;
+        let bodies = bodies(self, &assets, &mut world)?;
+        Ok(Build { world, bodies, notes })
+    }
+}
+
+/// All meshes in the order of their names.
+fn meshes(
+    scene: &Scene,
+    folder: &Path,
+    limits: &Limits,
+    notes: &mut Vec<(String, Notes)>,
+) -> Result<Vec<Soup>, SceneError> {
+    let mut meshes = Vec::with_capacity(scene.meshes.len());
+    let table = Place::Root;
+    let table = table.key("meshes");
+    let mut parts = 0;
+    for (name, doc) in &scene.meshes {
+        let place = table.key(name);
+        let (soup, mut found) = mesh(place, doc, folder, limits)?;
+        let soup = clean::clean(soup, &mut found);
+        if soup.triangles.is_empty() {
+            return Err(SceneError::invalid(place, format!("nothing is left ({found})"), "triangles with an area"));
+        }
+        // A small file named often must not become a large world.
+        parts += soup.triangles.len().max(soup.vertices.len());
+        check::at_most(place, "triangles and vertices in meshes", parts as u64, MESH_PARTS_MAX as u64)?;
+        if !found.is_clean() {
+            notes.push((name.clone(), found));
+        }
+        meshes.push(soup);
+    }
+    Ok(meshes)
+}
+
+fn mesh(place: Place<'_>, doc: &MeshDoc, folder: &Path, limits: &Limits) -> Result<(Soup, Notes), SceneError> {
+    let (path, scale, turned) = match doc {
+        MeshDoc::Inline { vertices, triangles } => {
+            let soup = Soup { vertices: vertices.clone(), triangles: triangles.clone() };
+            return Ok((soup, Notes::default()));
+        }
+        MeshDoc::Obj { path, scale, rotation } => (path, *scale, rotation),
+    };
+    let file = folder.join(path);
+    let place = place.key("obj");
+    let (mut soup, notes) = obj::read(&file, limits.file_bytes).map_err(|mut error| {
+        error.path = place.key("path").to_string();
+        error
+    })?;
+    let turn = rotation::rotation(turned).unwrap_or(Rotation::IDENTITY);
+    for vertex in &mut soup.vertices {
+        let moved = turn.rotate(Vec3::from(*vertex) * scale);
+        if !(moved.abs().max_element() <= check::LENGTH_MAX) {
+            let found = format!("{} has a vertex at {vertex:?} times {scale}", file.display());
+            let expected = format!("coordinates within {:e} m", check::LENGTH_MAX);
+            return Err(SceneError::invalid(place, found, expected));
+        }
+        *vertex = moved.to_array();
+    }
+    Ok((soup, notes))
+}
+
+/// Handles of the assets by name.
+struct Assets<'a> {
+    hulls: BTreeMap<&'a str, HullHandle>,
+    meshes: BTreeMap<&'a str, MeshHandle>,
+}
+
+fn register<'a>(
+    scene: &'a Scene,
+    soups: &[Soup],
+    world: &mut World<Vec<Line>>,
+) -> Result<Assets<'a>, SceneError> {
+    let refused = |table: &str, name: &str, error| {
+        SceneError::new(Place::Root.key(table).key(name), Problem::World(error))
+    };
+    let mut hulls = BTreeMap::new();
+    for (name, hull) in &scene.hulls {
+        let points: Vec<Vec3> = hull.points.iter().copied().map(Vec3::from).collect();
+        hulls.insert(name.as_str(), world.add_hull(&points).map_err(|e| refused("hulls", name, e))?);
+    }
+    let mut meshes = BTreeMap::new();
+    for (name, soup) in scene.meshes.keys().zip(soups) {
+        let vertices: Vec<Vec3> = soup.vertices.iter().copied().map(Vec3::from).collect();
+        let mesh = world.add_mesh(&vertices, &soup.triangles).map_err(|e| refused("meshes", name, e))?;
+        meshes.insert(name.as_str(), mesh);
+    }
+    Ok(Assets { hulls, meshes })
+}
+
+fn bodies(
+    scene: &Scene,
+    assets: &Assets<'_>,
+    world: &mut World<Vec<Line>>,
+) -> Result<Vec<BodyHandle>, SceneError> {
+    let mut handles = Vec::with_capacity(scene.bodies.len());
+    let list = Place::Root;
+    let list = list.key("bodies");
+    for (index, doc) in scene.bodies.iter().enumerate() {
+        let place = list.index(index);
+        let handle = world.create_body(&body_def(doc)).map_err(|e| SceneError::new(place, Problem::World(e)))?;
+        let shapes = place.key("shapes");
+        for (index, shape) in doc.shapes.iter().enumerate() {
+            let refused = |e: Error| SceneError::new(shapes.index(index), Problem::World(e));
+            world.create_shape(handle, &shape_def(shape, scene, assets)).map_err(refused)?;
+        }
+        handles.push(handle);
+    }
+    Ok(handles)
+}
+
+fn body_def(doc: &BodyDoc) -> BodyDef {
+    let locks = doc.locks.iter().map(|lock| match lock {
+        LockDoc::MoveX => AxisLocks::MOVE_X,
+        LockDoc::MoveY => AxisLocks::MOVE_Y,
+        LockDoc::MoveZ => AxisLocks::MOVE_Z,
+        LockDoc::TurnX => AxisLocks::TURN_X,
+        LockDoc::TurnY => AxisLocks::TURN_Y,
+        LockDoc::TurnZ => AxisLocks::TURN_Z,
+    });
+    BodyDef {
+        kind: match doc.kind {
+            KindDoc::Static => BodyKind::Static,
+            KindDoc::Kinematic => BodyKind::Kinematic,
+            KindDoc::Dynamic => BodyKind::Dynamic,
+        },
+        position: Position::from_f64(doc.position),
+        rotation: checked(&doc.rotation),
+        linear_velocity: Vec3::from(doc.linear_velocity),
+        angular_velocity: Vec3::from(doc.angular_velocity),
+        linear_damping: doc.linear_damping,
+        angular_damping: doc.angular_damping,
+        gravity_scale: doc.gravity_scale,
+        locks: locks.fold(AxisLocks::NONE, AxisLocks::and),
+        mass: doc.mass.as_ref().map(|mass| MassProperties {
+            mass: mass.mass,
+            center: Vec3::from(mass.center),
+            inertia: Vec3::from(mass.inertia),
+            axes: checked(&mass.axes),
+        }),
+        user: doc.user,
+    }
+}
+
+fn shape_def(doc: &ShapeDoc, scene: &Scene, assets: &Assets<'_>) -> ShapeDef {
+    // Names were checked: each is in its table.
+    let geometry = match &doc.geometry {
+        GeometryDoc::Sphere { radius } => Geometry::Sphere { radius: *radius },
+        GeometryDoc::Capsule { half_height, radius } => {
+            Geometry::Capsule { half_height: *half_height, radius: *radius }
+        }
+        GeometryDoc::Box { half_extents } => Geometry::Box { half_extents: Vec3::from(*half_extents) },
+        GeometryDoc::Hull(name) => Geometry::Hull(assets.hulls[name.as_str()]),
+        GeometryDoc::HalfSpace => Geometry::HalfSpace,
+        GeometryDoc::Mesh(name) => Geometry::Mesh(assets.meshes[name.as_str()]),
+    };
+    let material = doc.material.as_ref().map_or_else(MaterialDoc::default, |name| scene.materials[name].clone());
+    ShapeDef {
+        geometry,
+        pose: Pose::new(Vec3::from(doc.position), checked(&doc.rotation)),
+        density: material.density,
+        friction: material.friction,
+        restitution: material.restitution,
+        filter: Filter { category: doc.filter.category, mask: doc.filter.mask, group: doc.filter.group },
+        user: doc.user,
+    }
+}
+
+/// A rotation that was checked before.
+fn checked(doc: &RotationDoc) -> Rotation {
+    rotation::rotation(doc).unwrap_or(Rotation::IDENTITY)
+}

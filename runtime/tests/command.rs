@@ -1,0 +1,136 @@
+//! The command `cellstep`: what it prints, and how it exits.
+#![cfg(feature = "cli")]
+
+use cellstep::scene::builtin::BUILTIN;
+use cellstep::scene::{Limits, Scene};
+use std::io::Read;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+fn cellstep(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cellstep")).args(args).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+/// Standard output of a call that must succeed and say nothing else.
+fn answer(args: &[&str]) -> String {
+    let output = cellstep(args);
+    assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
+    assert_eq!(text(&output.stderr), "", "{args:?}");
+    text(&output.stdout).to_string()
+}
+
+/// Standard error of a call that must exit with 2 and answer nothing.
+fn refusal(args: &[&str]) -> String {
+    let output = cellstep(args);
+    assert_eq!(output.status.code(), Some(2), "{args:?}");
+    assert_eq!(text(&output.stdout), "", "{args:?}");
+    text(&output.stderr).to_string()
+}
+
+#[test]
+fn json_is_one_object_with_the_documented_keys() {
+    let json = answer(&["run", "tower", "--steps", "7", "--workers", "2", "--substeps", "3", "--json"]);
+    assert_eq!(json.lines().count(), 1);
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let keys = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    let expected = "barriers_per_step blocks bodies checksum contacts dropped ms_per_step pairs penetration_max phases \
+                    quarantined scene stage_ms state_bytes steps substeps workers";
+    assert_eq!(keys(&report).join(" "), expected);
+    let stages = "assembly broadphase finish islands narrowphase ordering serial solve";
+    assert_eq!(keys(&report["stage_ms"]).join(" "), stages);
+    assert_eq!(report["scene"], "tower");
+    assert_eq!((&report["steps"], &report["workers"], &report["substeps"]), (&7.into(), &2.into(), &3.into()));
+    assert_eq!(report["bodies"], 21);
+    assert_eq!(report["quarantined"], 0);
+    assert_eq!(report["checksum"].as_str().unwrap().len(), 16);
+    assert!(report["state_bytes"].as_u64().unwrap() > 0);
+    assert!(report["ms_per_step"].as_f64().unwrap() >= report["stage_ms"]["serial"].as_f64().unwrap());
+}
+
+#[test]
+fn the_checksum_does_not_depend_on_workers_and_comes_back_from_a_file() {
+    let checksum = |scene: &str, workers: &str, more: &[&str]| {
+        let args = [&["run", scene, "--steps", "20", "--json", "--workers", workers], more].concat();
+        let report: serde_json::Value = serde_json::from_str(&answer(&args)).unwrap();
+        report["checksum"].as_str().unwrap().to_string()
+    };
+    let one = checksum("mixed_pile", "1", &["--size", "60"]);
+    assert_eq!(one, checksum("mixed_pile", "3", &["--size", "60"]));
+    assert_ne!(one, checksum("mixed_pile", "1", &["--size", "61"]));
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pile.json");
+    std::fs::write(&file, answer(&["scene", "mixed_pile", "--size", "60"])).unwrap();
+    assert_eq!(one, checksum(file.to_str().unwrap(), "2", &[]));
+}
+
+#[test]
+fn the_table_names_everything() {
+    let table = answer(&["run", "wall", "--size", "3", "--steps", "2", "--workers", "1"]);
+    for row in ["scene", "bodies", "pairs", "contacts", "phases", "blocks", "barriers per step", "dropped"] {
+        assert!(table.lines().any(|line| line.starts_with(row)), "{row} in\n{table}");
+    }
+    for row in ["quarantined", "checksum", "broadphase", "narrowphase", "ordering", "assembly", "solve", "finish"] {
+        assert!(table.lines().any(|line| line.starts_with(row)), "{row} in\n{table}");
+    }
+    let idle = answer(&["run", "tower", "--steps", "0"]);
+    assert!(idle.contains(&format!("{:<20} {:>16}", "whole step", "0.000")), "{idle}");
+}
+
+#[test]
+fn scenes_are_listed_and_printed() {
+    let list = answer(&["scenes"]);
+    assert_eq!(list.lines().count(), BUILTIN.len() + 1);
+    for builtin in BUILTIN {
+        assert!(list.contains(builtin.name) && list.contains(builtin.description));
+        let json = answer(&["scene", builtin.name, "--size", "2"]);
+        let scene = Scene::from_json(json.as_bytes(), &Limits::default()).unwrap();
+        assert_eq!(scene, builtin.scene(2).unwrap());
+    }
+}
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    assert!(refusal(&[]).contains("Usage"));
+    assert!(refusal(&["fly"]).contains("unrecognized subcommand"));
+    assert!(refusal(&["run"]).contains("<SCENE>"));
+    assert!(refusal(&["run", "tower", "--steps", "few"]).contains("--steps"));
+    assert!(refusal(&["run", "tower", "--workers", "0"]).contains("1..=256"));
+    assert!(refusal(&["run", "tower", "--substeps", "0"]).contains("1..=256"));
+    assert!(refusal(&["run", "tower", "--size", "0"]).contains("1..=10000"));
+    assert!(refusal(&["run", "towr"]).contains("neither a file nor a built-in scene (free_fall, tower"));
+    assert!(refusal(&["scene", "towr"]).contains("expected one of free_fall, tower"));
+    assert!(refusal(&["scene", "pyramid", "--size", "4000000000"]).contains("found 4000000000, expected 1..=600"));
+}
+
+#[test]
+fn a_wrong_scene_exits_with_2_and_is_told_where() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("wrong.json");
+    let name = file.to_str().unwrap();
+    std::fs::write(&file, "{\n  \"bodies\": [{\"mass\": 1}]\n}\n").unwrap();
+    let message = refusal(&["run", name]);
+    assert!(message.starts_with(&format!("error: {name}: line 2, column 23: bodies[0].mass: ")), "{message}");
+    std::fs::write(&file, "{\"capacities\": {\"bodies\": 1000000000}}").unwrap();
+    assert!(refusal(&["run", name]).contains("1000000000 bodies are too many"));
+    std::fs::write(&file, "{}").unwrap();
+    assert!(refusal(&["run", name, "--size", "3"]).contains("--size is for built-in scenes"));
+}
+
+#[test]
+fn a_closed_pipe_is_no_error() {
+    for args in [&["scene", "pyramid"][..], &["run", "tower", "--steps", "1", "--json"], &["scenes"]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_cellstep"))
+            .args(args)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let mut errors = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut errors).unwrap();
+        assert!(child.wait().unwrap().success(), "{args:?}");
+        assert_eq!(errors, "", "{args:?}");
+    }
+}
