@@ -1,32 +1,34 @@
 //! The barrier of the pool: tasks are published, claimed and completed.
 //!
-//! An **epoch** is one list of tasks, known here by their count alone. The caller publishes it, works on it as worker
-//! 0, and waits until the count of unfinished tasks is zero. It waits for tasks, never for workers: a worker
-//! that comes late finds nothing to claim, and the caller can drain an epoch alone.
+//! An **epoch** is one list of tasks, known here by their count alone. The caller publishes it, works on it
+//! as worker 0, and waits until the count of unfinished tasks is zero. It waits for tasks, never for workers:
+//! a worker that comes late finds nothing to claim, and the caller can drain an epoch alone.
 //!
 //! ```text
 //! home word of a worker   | sleeping 1 | stopped 1 | epoch 30 | first 16 | end 16 |
 //! ```
-//! Every worker has a **home**: one atomic word with the epoch and the range of tasks that it starts with. Its owner
-//! claims from the front, so it meets the same tasks in each epoch of a solve (their data are in its cache); who has
-//! drained its home steals from the back of others. A claim is one compare-exchange, and takes a fraction of what is left.
-//! The word is also the mailbox: the owner waits for its epoch to change, and says in it that it sleeps.
+//! Every worker has a **home**: one atomic word with the epoch and the range of tasks that it starts with.
+//! Its owner claims from the front, so it meets the same tasks in each epoch of a solve (their bodies are in
+//! its cache); who has drained its home steals from the back of others. A claim is one compare-exchange, and
+//! takes a fraction of what is left. The word is also the mailbox: the owner waits for its epoch to change,
+//! and says in it that it sleeps.
 //!
 //! What the orderings guarantee; each claim is a loom model of the same name (`epoch/loom_models.rs`):
 //!
-//! - `publish_happens_before_claim`: what the caller wrote before [`Caller::publish`] is seen by whoever holds a [`Claim`]
-//!   of that epoch. Publishing swaps with release, claiming is a compare-exchange with acquire, and every other
-//!   change of the word is a read-modify-write, which continues the release sequence.
-//! - `complete_happens_before_wait_returns`: what was done under a claim is seen after [`Caller::wait`]. Completion is a `fetch_sub`
-//!   with release on one counter, and the caller reads its zero with acquire.
-//! - `claims_are_disjoint`: the claims of an epoch cover every task exactly once, because a range leaves the word in
-//!   the same exchange that gives it to a worker.
-//! - `late_worker_claims_only_live_tasks`: while a claim exists, its epoch is not complete and no other is published. A worker
-//!   may look at a word, stall through any number of epochs, and try its exchange then: it fails, or, should the
-//!   30 bits have come round to the same word, it is a proper claim of the newer epoch. Hence nothing about an epoch
-//!   may be read before the claim.
-//! - `sleeping_worker_misses_no_publish`: the sleeping bit is set by a compare-exchange on the very word that publishing
-//!   swaps, so one of the two sees the other; no fence is needed.
+//! - `publish_happens_before_claim`: what the caller wrote before [`Caller::publish`] is seen by whoever
+//!   holds a [`Claim`] of that epoch. Publishing swaps with release, claiming is a compare-exchange with
+//!   acquire, and every other change of the word is a read-modify-write, which continues the release
+//!   sequence.
+//! - `complete_happens_before_wait_returns`: what was done under a claim is seen after [`Caller::wait`].
+//!   Completion is a `fetch_sub` with release on one counter, and the caller reads its zero with acquire.
+//! - `claims_are_disjoint`: the claims of an epoch cover every task exactly once, because a range leaves the
+//!   word in the same exchange that gives it to a worker.
+//! - `late_worker_claims_only_live_tasks`: while a claim exists, its epoch is not complete and no other is
+//!   published. A worker may look at a word, stall through any number of epochs, and try its exchange then:
+//!   it fails, or, should the 30 bits have come round to the same word, it is a proper claim of the newer
+//!   epoch. Hence nothing about an epoch may be read before the claim.
+//! - `sleeping_worker_misses_no_publish`: the sleeping bit is set by a compare-exchange on the very word that
+//!   publishing swaps, so one of the two sees the other; no fence is needed.
 //! - `sleeping_caller_misses_no_completion`: the same with the waiting bit in the counter of tasks.
 //! - `stop_reaches_every_worker`: the same swap with the stopped bit.
 //!
@@ -44,8 +46,8 @@ mod loom_models;
 /// The most tasks of one epoch: what fits the 16 bits of a home word.
 pub(crate) const TASKS_MAX: usize = u16::MAX as usize;
 
-/// A claim takes one of this many parts of the tasks left in a home, rounded up. Fewer parts make fewer claims; more
-/// parts leave less behind with a worker that loses its core.
+/// A claim takes one of this many parts of the tasks left in a home, rounded up. Fewer parts make fewer
+/// claims; more parts leave less behind with a worker that loses its core.
 const CLAIM_PARTS: u16 = 4;
 
 /// The caller sleeps until the counter reaches zero (in [`Barrier::unfinished`]).
@@ -74,8 +76,8 @@ pub(crate) struct Worker {
     epoch: u32,
 }
 
-/// The right to run some tasks of the current epoch, and the duty to complete them. Only [`Barrier::claim`] makes one, and it
-/// cannot be copied.
+/// The right to run some tasks of the current epoch, and the duty to complete them. Only [`Barrier::claim`]
+/// makes one, and it cannot be copied.
 #[must_use = "an epoch ends when all its claims are completed"]
 pub(crate) struct Claim {
     first: u16,
@@ -105,7 +107,8 @@ impl Barrier {
         (barrier, caller, others)
     }
 
-    /// Tasks for `worker`: from its home, else from the next home that has some. `None` when nothing is left to claim.
+    /// Tasks for `worker`: from its home, else from the next home that has some. `None` when nothing is left
+    /// to claim.
     pub(crate) fn claim(&self, worker: usize) -> Option<Claim> {
         let (before, from_own) = self.homes.split_at(worker);
         let (own, after) = from_own.split_first()?;

@@ -1,12 +1,12 @@
 //! The floating-point mode of a thread.
 //!
-//! Audio and game middleware switches threads to flush-to-zero or to another rounding; such a thread computes other bits
-//! than the rest of the world. The mode cannot be read without unsafe code, but its effect can: five sums whose inputs the
-//! compiler cannot see. Additions of subnormal numbers are fast on the processors that are slow in multiplying
-//! them, so a check takes some nanoseconds.
+//! Audio and game middleware switches threads to flush-to-zero or to another rounding; such a thread computes
+//! other bits than the rest of the world. The mode cannot be read without unsafe code, but its effect can:
+//! five sums whose inputs the compiler cannot see. Additions of subnormal numbers are fast on the processors
+//! that are slow in multiplying them, so a check takes some nanoseconds.
 //!
-//! Core's arithmetic wants the mode that every thread starts with on the supported systems: subnormal numbers kept, ties to
-//! even. Remedy: run the step on a thread of its own, or switch the mode back around it.
+//! Core's arithmetic wants the mode that every thread starts with on the supported systems: subnormal numbers
+//! kept, ties to even. Remedy: run the step on a thread of its own, or switch the mode back around it.
 
 use std::hint::black_box;
 
@@ -47,8 +47,8 @@ pub fn is_standard() -> bool {
 const SUBNORMAL: f32 = f32::MIN_POSITIVE / 2.0;
 const HALF_ULP: f32 = f32::EPSILON / 2.0;
 
-/// Two terms each, and what the sum is in the standard mode. A sum that has a subnormal operand has a normal result and the other way
-/// round, so that the two flush modes can be told apart.
+/// Two terms each, and what the sum is in the standard mode. A sum that has a subnormal operand has a normal
+/// result and the other way round, so that the two flush modes can be told apart.
 const TERMS: [(f32, f32); 5] = [
     (SUBNORMAL, SUBNORMAL),
     (f32::MIN_POSITIVE + SUBNORMAL, -f32::MIN_POSITIVE),

@@ -1,7 +1,8 @@
 //! Runs borrowed tasks on the threads of the pool. All unsafe code of the pool is in this file.
 //!
-//! The tasks and the closure of `for_each` live on the caller's stack and have types that the worker threads do not know.
-//! [`Job`] is a pointer to each with the types erased; [`Shared::run_all`] lends them for one epoch.
+//! The tasks and the closure of `for_each` live on the caller's stack and have types that the worker threads
+//! do not know. [`Job`] is a pointer to each with the types erased; [`Shared::run_all`] lends them for one
+//! epoch.
 
 use crate::epoch::{Barrier, Caller, Claim, TASKS_MAX, Worker};
 use crate::float_mode;
@@ -17,14 +18,15 @@ pub(crate) type Payload = Box<dyn Any + Send>;
 /// The borrowed tasks and closure of one epoch, types erased.
 ///
 /// Invariant, while any [`Claim`] of the barrier next to it exists:
-/// 1. `tasks` points to `count` values of the type `T`, and `run` to a value of the type `F`, for which `call` was made; both
-///    are borrowed by a `run_all` that has not returned (T: `&mut`, F: `&`), with `T: Send` and `F: Sync`;
+/// 1. `tasks` points to `count` values of the type `T`, and `run` to a value of the type `F`, for which
+///    `call` was made; both are borrowed by a `run_all` that has not returned (T: `&mut`, F: `&`), with `T:
+///    Send` and `F: Sync`;
 /// 2. the cell that holds it is not written;
 /// 3. no other claim has the same tasks.
 ///
-/// Guaranteed by [`Shared::run_all`], the only writer, which writes before it publishes and neither returns nor unwinds
-/// before the barrier says that all tasks are completed; and by the barrier's `late_worker_claims_only_live_tasks` (1, 2) and
-/// `claims_are_disjoint` (3), see `epoch.rs`.
+/// Guaranteed by [`Shared::run_all`], the only writer, which writes before it publishes and neither returns
+/// nor unwinds before the barrier says that all tasks are completed; and by the barrier's
+/// `late_worker_claims_only_live_tasks` (1, 2) and `claims_are_disjoint` (3), see `epoch.rs`.
 #[derive(Clone, Copy)]
 struct Job {
     tasks: *mut (),
@@ -46,12 +48,12 @@ impl Job {
     /// Runs the task `index`.
     ///
     /// # Safety
-    /// The job was made with these types, and the caller holds a [`Claim`] of its epoch that has the task `index`, which it
-    /// runs once.
+    /// The job was made with these types, and the caller holds a [`Claim`] of its epoch that has the task
+    /// `index`, which it runs once.
     unsafe fn call<T, F: Fn(&mut T)>(&self, index: usize) {
         assert!(index < self.count, "the barrier counts as many tasks as the job");
-        // SAFETY: by invariant 1 the pointers are valid and of these types; by invariant 3 nobody else has this task, and by
-        // `publish_happens_before_claim` the caller's writes to it are seen here.
+        // SAFETY: by invariant 1 the pointers are valid and of these types; by invariant 3 nobody else has
+        // this task, and by `publish_happens_before_claim` the caller's writes to it are seen here.
         let (task, run) = unsafe { (&mut *self.tasks.cast::<T>().add(index), &*self.run.cast::<F>()) };
         run(task);
     }
@@ -60,7 +62,8 @@ impl Job {
 /// Where the caller leaves the job of an epoch.
 struct JobCell(UnsafeCell<Option<Job>>);
 
-// SAFETY: the pointers in a job are used on other threads under a claim only, where invariant 1 gives `T: Send` and `F: Sync`.
+// SAFETY: the pointers in a job are used on other threads under a claim only, where invariant 1 gives `T:
+// Send` and `F: Sync`.
 unsafe impl Send for JobCell {}
 // SAFETY: the cell is read under a claim only and never written while one exists (invariant 2).
 unsafe impl Sync for JobCell {}
@@ -69,7 +72,8 @@ unsafe impl Sync for JobCell {}
 pub(crate) struct Shared {
     barrier: Barrier,
     job: JobCell,
-    /// The panic of the task with the lowest index in this epoch, so that the caller's panic does not depend on threads.
+    /// The panic of the task with the lowest index in this epoch, so that the caller's panic does not depend
+    /// on threads.
     panic: Mutex<Option<(usize, Payload)>>,
     /// Some thread was seen with a float mode that is not the standard one.
     float_fault: AtomicBool,
@@ -88,8 +92,8 @@ impl Shared {
         (shared, caller, others)
     }
 
-    /// Runs every task once, on this thread and on those that are in [`Shared::work`]. At most [`TASKS_MAX`] tasks. Returns what the
-    /// first of the panicking tasks panicked with; the others have run all the same.
+    /// Runs every task once, on this thread and on those that are in [`Shared::work`]. At most [`TASKS_MAX`]
+    /// tasks. Returns what the first of the panicking tasks panicked with; the others have run all the same.
     pub(crate) fn run_all<T: Send, F: Fn(&mut T) + Sync>(
         &self,
         caller: &mut Caller,
@@ -99,8 +103,8 @@ impl Shared {
         assert!(tasks.len() <= TASKS_MAX, "at most {TASKS_MAX} tasks in an epoch");
         let count = tasks.len() as u16;
         let job = Job::new(tasks, run);
-        // SAFETY: no claim exists, hence no reader: `caller` is the only one that publishes, we have it alone, and its last
-        // epoch is complete (below).
+        // SAFETY: no claim exists, hence no reader: `caller` is the only one that publishes, we have it
+        // alone, and its last epoch is complete (below).
         self.job.0.with_mut(|cell| unsafe { *cell = Some(job) });
         let unwinding_would_free_the_tasks = AbortOnDrop;
         caller.publish(&self.barrier, count);
@@ -177,16 +181,16 @@ impl Shared {
     }
 }
 
-/// Drops a payload that nobody will see. The payload is the game's own type, and its drop may panic too: that last payload is
-/// leaked, since a worker must not unwind.
+/// Drops a payload that nobody will see. The payload is the game's own type, and its drop may panic too: that
+/// last payload is leaked, since a worker must not unwind.
 pub(crate) fn discard(payload: Option<Payload>) {
     if let Err(again) = catch_unwind(AssertUnwindSafe(|| drop(payload))) {
         std::mem::forget(again);
     }
 }
 
-/// Dropped by an unwinding only: the frame that owns the tasks must not end while others may use them. Nothing between
-/// publishing and waiting panics, unless the pool itself has an error.
+/// Dropped by an unwinding only: the frame that owns the tasks must not end while others may use them.
+/// Nothing between publishing and waiting panics, unless the pool itself has an error.
 struct AbortOnDrop;
 
 impl Drop for AbortOnDrop {

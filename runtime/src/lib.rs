@@ -1,8 +1,8 @@
 //! Deterministic rigid bodies in three dimensions: the same bits for any number of workers, on every machine.
 //!
-//! This crate is `cellstep-core`, re-exported whole, with what needs an operating system: worlds whose memory comes
-//! from the heap ([`new_world`]), a pool of threads that runs a step's tasks ([`Pool`]), times of stages ([`Timed`]),
-//! and, behind the feature `scene`, scene documents and the built-in scenes.
+//! This crate is `cellstep-core`, re-exported whole, with what needs an operating system: worlds whose memory
+//! comes from the heap ([`new_world`]), a pool of threads that runs a step's tasks ([`Pool`]), times of
+//! stages ([`Timed`]), and, behind the feature `scene`, scene documents and the built-in scenes.
 //!
 //! ```
 //! use cellstep::math::Vec3;
@@ -47,7 +47,8 @@ pub use timed::Timed;
 /// Makes a world on memory from the heap, all of it now: stepping allocates nothing.
 ///
 /// # Errors
-/// Those of [`World::new`]; [`Error::MemoryTooSmall`] with nothing given when the system has not so much memory.
+/// Those of [`World::new`]; [`Error::MemoryTooSmall`] with nothing given when the system has not so much
+/// memory.
 pub fn new_world(capacities: Capacities) -> Result<World<Vec<Line>>, Error> {
     capacities.check()?;
     let needed = capacities.lines();

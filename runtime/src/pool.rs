@@ -1,7 +1,8 @@
 //! Runs the tasks of a step on several threads.
 //!
-//! The thread that steps the world is worker 0 of its [`Pool`]; the others wait for it between lists of tasks, first awake, then
-//! parked. `epoch.rs` is the protocol, `job.rs` the lending of tasks, `spin.rs` the waiting.
+//! The thread that steps the world is worker 0 of its [`Pool`]; the others wait for it between lists of
+//! tasks, first awake, then parked. `epoch.rs` is the protocol, `job.rs` the lending of tasks, `spin.rs` the
+//! waiting.
 //!
 //! Invariants:
 //! - results never depend on the pool: it decides when and where a task runs, never what it gets;
@@ -70,8 +71,8 @@ impl Pool {
     /// The most workers of a pool.
     pub const WORKERS_MAX: usize = 256;
 
-    /// A pool of `workers` workers, 1 to [`Pool::WORKERS_MAX`]; the thread that uses it is one of them, so `workers - 1`
-    /// threads are started. More workers than cores work, but gain nothing.
+    /// A pool of `workers` workers, 1 to [`Pool::WORKERS_MAX`]; the thread that uses it is one of them, so
+    /// `workers - 1` threads are started. More workers than cores work, but gain nothing.
     ///
     /// # Errors
     /// [`PoolError`]; threads already started are ended.
@@ -97,9 +98,9 @@ impl Pool {
         self.workers
     }
 
-    /// True once a thread that took part had flush-to-zero or another rounding mode than the standard one: its results are not the
-    /// engine's bits (see [`crate::float_mode`]). Probed at the start of every stage in the caller and of every list of tasks
-    /// in each worker that sees it. It stays true.
+    /// True once a thread that took part had flush-to-zero or another rounding mode than the standard one:
+    /// its results are not the engine's bits (see [`crate::float_mode`]). Probed at the start of every stage
+    /// in the caller and of every list of tasks in each worker that sees it. It stays true.
     pub fn float_mode_fault(&self) -> bool {
         self.shared.float_mode_fault()
     }
@@ -131,7 +132,8 @@ impl Executor for Pool {
     /// Runs the tasks on all workers.
     ///
     /// # Panics
-    /// When a task panics: with its payload, after all other tasks have run; of several, the one that is first in `tasks`.
+    /// When a task panics: with its payload, after all other tasks have run; of several, the one that is
+    /// first in `tasks`.
     fn for_each<T: Send>(&mut self, _: Stage, tasks: &mut [T], run: impl Fn(&mut T) + Sync) {
         let mut first = None;
         for some in tasks.chunks_mut(TASKS_MAX) {

@@ -5,11 +5,12 @@
 //!                  ^
 //!                  builtin::*
 //! ```
-//! A document may come from a stranger. It is read within [`Limits`], its numbers are checked before any memory is
-//! taken for them, the files that it names lie below its own folder, and whatever is wrong is said with file, line,
-//! column, path in the document and what was expected ([`SceneError`]).
+//! A document may come from a stranger. It is read within [`Limits`], its numbers are checked before any
+//! memory is taken for them, the files that it names lie below its own folder, and whatever is wrong is said
+//! with file, line, column, path in the document and what was expected ([`SceneError`]).
 //!
-//! The format is described in `SCENES.md` at the root of the repository and, field by field, in [`format`](mod@format).
+//! The format is described in `SCENES.md` at the root of the repository and, field by field, in
+//! [`format`](mod@format).
 //!
 //! ```
 //! use cellstep::scene::{Limits, Scene};
@@ -26,7 +27,7 @@
 //! assert!(built.world.position(built.bodies[1]).unwrap().to_f64()[2] < 5.0);
 //!
 //! let error = Scene::from_json(br#"{ "bodies": [{ "mas": 1 }] }"#, &Limits::default()).unwrap_err();
-//! assert!(error.to_string().starts_with("line 1, column 20: bodies[0]"));
+//! assert!(error.to_string().starts_with("line 1, column 23: bodies[0].mas: unknown field `mas`, expected"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -51,8 +52,8 @@ pub use error::{Problem, SceneError};
 pub use format::Scene;
 pub use read::load;
 
-/// How much a scene may ask for. The defaults suit a tool on a desktop; a server that takes scenes from players sets
-/// them lower.
+/// How much a scene may ask for. The defaults suit a tool on a desktop; a server that takes scenes from
+/// players sets them lower.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of a document, and of each mesh file.

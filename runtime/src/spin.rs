@@ -1,15 +1,16 @@
 //! How long a thread waits awake before it parks.
 //!
-//! Parking and waking cost microseconds, and a step has dozens of barriers, so a waiting thread first stays awake:
-//! a short spin, then yields, which hand the core to a thread that has work. With more workers than cores a spin only
-//! steals time from whoever is waited for; therefore the spin is short and the yields do the waiting. An idle pool
-//! parks within some tens of microseconds and then costs nothing.
+//! Parking and waking cost microseconds, and a step has dozens of barriers, so a waiting thread first stays
+//! awake: a short spin, then yields, which hand the core to a thread that has work. With more workers than
+//! cores a spin only steals time from whoever is waited for; therefore the spin is short and the yields do
+//! the waiting. An idle pool parks within some tens of microseconds and then costs nothing.
 
 #[cfg(not(loom))]
 use crossbeam_utils::Backoff;
 
-/// Yields after the backoff's own few. On an idle core a yield returns in less than a microsecond, so this many bridge the
-/// serial part between two barriers of a small scene; on a busy core each gives a time slice away.
+/// Yields after the backoff's own few. On an idle core a yield returns in less than a microsecond, so this
+/// many bridge the serial part between two barriers of a small scene; on a busy core each gives a time slice
+/// away.
 #[cfg(not(loom))]
 const YIELDS: u32 = 32;
 

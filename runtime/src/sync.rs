@@ -1,9 +1,10 @@
 //! The threads, locks, atomics and cells of the pool, from `std` or from loom.
 //!
 //! Loom runs a model under every order that the memory model allows, which needs its own versions of all of
-//! them (`--cfg loom`, see `epoch.rs`). The parker of a loom build is a flag under loom's mutex, so that parking is
-//! inside the model; the parker of an ordinary build is crossbeam's, with the same contract: `unpark` leaves one
-//! token, `park` waits for it and takes it, and everything before `unpark` happens before what follows `park`.
+//! them (`--cfg loom`, see `epoch.rs`). The parker of a loom build is a flag under loom's mutex, so that
+//! parking is inside the model; the parker of an ordinary build is crossbeam's, with the same contract:
+//! `unpark` leaves one token, `park` waits for it and takes it, and everything before `unpark` happens before
+//! what follows `park`.
 
 pub(crate) use imp::*;
 // Counting references is not what the models are about, and loom's own would multiply the interleavings.

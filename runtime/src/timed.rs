@@ -1,6 +1,7 @@
 //! Where the time of a step goes.
 //!
-//! The core owns no clock; [`Timed`] wraps any executor and takes the times of its calls. It changes no result.
+//! The core owns no clock; [`Timed`] wraps any executor and takes the times of its calls. It changes no
+//! result.
 
 use cellstep_core::executor::{Executor, Stage};
 use std::time::{Duration, Instant};

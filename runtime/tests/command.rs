@@ -37,13 +37,16 @@ fn json_is_one_object_with_the_documented_keys() {
     assert_eq!(json.lines().count(), 1);
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
     let keys = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
-    let expected = "barriers_per_step blocks bodies checksum contacts dropped ms_per_step pairs penetration_max phases \
-                    quarantined scene stage_ms state_bytes steps substeps workers";
+    let expected = "barriers_per_step blocks bodies checksum contacts dropped ms_per_step pairs \
+                    penetration_max phases quarantined scene stage_ms state_bytes steps substeps workers";
     assert_eq!(keys(&report).join(" "), expected);
     let stages = "assembly broadphase finish islands narrowphase ordering serial solve";
     assert_eq!(keys(&report["stage_ms"]).join(" "), stages);
     assert_eq!(report["scene"], "tower");
-    assert_eq!((&report["steps"], &report["workers"], &report["substeps"]), (&7.into(), &2.into(), &3.into()));
+    assert_eq!(
+        (&report["steps"], &report["workers"], &report["substeps"]),
+        (&7.into(), &2.into(), &3.into())
+    );
     assert_eq!(report["bodies"], 21);
     assert_eq!(report["quarantined"], 0);
     assert_eq!(report["checksum"].as_str().unwrap().len(), 16);
@@ -72,7 +75,9 @@ fn the_table_names_everything() {
     for row in ["scene", "bodies", "pairs", "contacts", "phases", "blocks", "barriers per step", "dropped"] {
         assert!(table.lines().any(|line| line.starts_with(row)), "{row} in\n{table}");
     }
-    for row in ["quarantined", "checksum", "broadphase", "narrowphase", "ordering", "assembly", "solve", "finish"] {
+    for row in
+        ["quarantined", "checksum", "broadphase", "narrowphase", "ordering", "assembly", "solve", "finish"]
+    {
         assert!(table.lines().any(|line| line.starts_with(row)), "{row} in\n{table}");
     }
     let idle = answer(&["run", "tower", "--steps", "0"]);
@@ -102,7 +107,9 @@ fn wrong_usage_exits_with_2() {
     assert!(refusal(&["run", "tower", "--size", "0"]).contains("1..=10000"));
     assert!(refusal(&["run", "towr"]).contains("neither a file nor a built-in scene (free_fall, tower"));
     assert!(refusal(&["scene", "towr"]).contains("expected one of free_fall, tower"));
-    assert!(refusal(&["scene", "pyramid", "--size", "4000000000"]).contains("found 4000000000, expected 1..=600"));
+    assert!(
+        refusal(&["scene", "pyramid", "--size", "4000000000"]).contains("found 4000000000, expected 1..=600")
+    );
 }
 
 #[test]

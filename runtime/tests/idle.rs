@@ -1,4 +1,5 @@
-//! An idle pool costs no processor time. The only test of this process, since it counts the time of the whole process.
+//! An idle pool costs no processor time. The only test of this process, since it counts the time of the whole
+//! process.
 #![cfg(all(target_os = "linux", not(loom)))]
 
 use cellstep::pool::Pool;
@@ -7,7 +8,8 @@ use std::fs;
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Processor time of this process in the kernel's ticks, mostly 10 ms each: fields 14 and 15 of proc(5)'s `stat`.
+/// Processor time of this process in the kernel's ticks, mostly 10 ms each: fields 14 and 15 of proc(5)'s
+/// `stat`.
 fn ticks() -> u64 {
     let stat = fs::read_to_string("/proc/self/stat").expect("proc is mounted");
     let (_, fields) = stat.rsplit_once(')').expect("the name is in parentheses");

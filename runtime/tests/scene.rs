@@ -76,10 +76,19 @@ fn full() -> Scene {
             block_links: Some(32),
         },
         capacities: CapacitiesDoc { bodies: Some(9), shapes: Some(99), pairs: Some(0), contacts: Some(1) },
-        materials: [("wood".to_string(), MaterialDoc { friction: 0.1, restitution: 0.2, density: 0.3 })].into(),
+        materials: [("wood".to_string(), MaterialDoc { friction: 0.1, restitution: 0.2, density: 0.3 })]
+            .into(),
         hulls: [("a.b[0]\"\\ä".to_string(), HullDoc { points })].into(),
         meshes: [("plate".to_string(), inline), ("file".to_string(), obj)].into(),
-        bodies: vec![body, BodyDoc { mass: None, shapes: vec![ShapeDoc::new(GeometryDoc::HalfSpace)], kind: KindDoc::Static, ..BodyDoc::default() }],
+        bodies: vec![
+            body,
+            BodyDoc {
+                mass: None,
+                shapes: vec![ShapeDoc::new(GeometryDoc::HalfSpace)],
+                kind: KindDoc::Static,
+                ..BodyDoc::default()
+            },
+        ],
     }
 }
 
@@ -109,53 +118,143 @@ fn the_documentation_is_true() {
     scene.build(Path::new("")).unwrap();
     // Every field that exists is described.
     let json = full().to_json();
-    let fields = json.split('"').skip(1).step_by(2).filter(|word| word.chars().all(|c| c.is_ascii_lowercase() || c == '_'));
+    let fields = json
+        .split('"')
+        .skip(1)
+        .step_by(2)
+        .filter(|word| word.chars().all(|c| c.is_ascii_lowercase() || c == '_'));
     for field in fields.filter(|field| !["wood", "plate", "file", ""].contains(field)) {
         assert!(text.contains(&format!("`{field}`")) || text.contains(&format!("\"{field}\"")), "{field}");
     }
 }
 
-/// Each document, where its mistake is, its path, and a word of what was expected.
+/// Documents, where the mistake of each is, its path, and a word of what was expected.
+const MISTAKES: &[(&str, &str, &str, &str)] = &[
+    ("", "line 1, column 1", "", "EOF"),
+    ("{\n  \"bodies\": [\n}", "line 3, column 1", "bodies[0]", "expected value"),
+    ("{} x", "line 1, column 4", "", "trailing"),
+    ("[1]", "line 1, column 1", "", "sequence, expected a scene object"),
+    ("{\"bodies\": [[\"static\"]]}", "line 1, column 13", "bodies[0]", "sequence, expected a body object"),
+    (
+        "{\"bodies\": [{\"shapes\": [{\"geometry\": {\"sphere\": [1]}}]}]}",
+        "line 1, column 49",
+        "bodies[0].shapes[0].geometry.sphere",
+        "sequence, expected a geometry, as",
+    ),
+    ("{\n\"joints\": []}", "line 2, column 11", "joints", "expected one of `version`"),
+    ("{\"version\": 2}", "line 1, column 13", "version: found 2", "expected 1"),
+    ("{\"gravity\": [0, 0]}", "line 1, column 13", "gravity", "array of length 3"),
+    ("{\"gravity\": [0, \"a\", 0]}", "line 1, column 17", "gravity[1]", "expected f32"),
+    ("{\"gravity\": [0, 1e999, 0]}", "line 1, column 21", "gravity[1]", "number out of range"),
+    ("{\"gravity\": [0, 0, 1e39]}", "line 1, column 23", "gravity[2]", "number out of range"),
+    ("{\"gravity\": [0, NaN, 0]}", "line 1, column 17", "gravity[1]", "expected value"),
+    ("{\"settings\": {\"dt\": -1}}", "line 1, column 21", "settings.dt: found -1", "in 0.0..=0.25"),
+    (
+        "{\"settings\": {\"substeps\": 257}}",
+        "line 1, column 27",
+        "settings.substeps: found 257",
+        "in 1..=256",
+    ),
+    (
+        "{\"settings\": {\"contact_model\": \"hard\"}}",
+        "line 1, column 32",
+        "settings.contact_model",
+        "`soft` or `rigid`",
+    ),
+    ("{\"materials\": {\"a\": {}, \"a\": {}}}", "line 1, column 15", "materials", "used twice"),
+    (
+        "{\"materials\": {\"a\": {\"friction\": -1}}}",
+        "line 1, column 34",
+        "materials.a.friction: found -1",
+        "in 0.0..=1000000.0",
+    ),
+    (
+        "{\"hulls\": {\"h\": {\"points\": [[0,0,0]]}}}",
+        "line 1, column 28",
+        "hulls.h.points: found 1 points",
+        "at least 4",
+    ),
+    (
+        "{\"meshes\": {\"m\": {\"inline\": {\"vertices\": [[0,0,0]], \"triangles\": [[0,0,1]]}}}}",
+        "line 1, column 67",
+        "meshes.m.inline.triangles[0]: found index 1",
+        "below 1",
+    ),
+    (
+        "{\"meshes\": {\"m\": {\"obj\": {\"path\": \"../x.obj\"}}}}",
+        "line 1, column 35",
+        "meshes.m.obj.path: found \"../x.obj\"",
+        "below the folder",
+    ),
+    (
+        "{\"bodies\": [{\"kind\": \"soft\"}]}",
+        "line 1, column 22",
+        "bodies[0].kind",
+        "`static`, `kinematic`, `dynamic`",
+    ),
+    (
+        "{\"bodies\": [{\"mass\": {\"mass\": 1}}]}",
+        "line 1, column 22",
+        "bodies[0].mass",
+        "missing field `inertia`",
+    ),
+    (
+        "{\"bodies\": [{\"mass\": {\"mass\": 1, \"inertia\": [1, 1, 9]}}]}",
+        "line 1, column 45",
+        "bodies[0].mass.inertia",
+        "none exceeds",
+    ),
+    ("{\"bodies\": [{}]}", "line 1, column 13", "bodies[0].shapes", "at least one shape"),
+    (
+        "{\"bodies\": [{\"rotation\": {\"quaternion\": [0, 0, 0, 0]}}]}",
+        "line 1, column 26",
+        "bodies[0].rotation",
+        "not zero",
+    ),
+    (
+        "{\"bodies\": [{\"rotation\": {\"degrees\": 1}}]}",
+        "line 1, column 26",
+        "bodies[0].rotation",
+        "`quaternion`, `axis_angle`, `euler_degrees`",
+    ),
+    ("{\"bodies\": [{\"position\": [1e11, 0, 0]}]}", "line 1, column 26", "bodies[0].position", "metres in"),
+    ("{\"bodies\": [{\"user\": -1}]}", "line 1, column 22", "bodies[0].user", "expected u64"),
+    ("{\"bodies\": [{\"locks\": [\"move_w\"]}]}", "line 1, column 24", "bodies[0].locks[0]", "`move_x`"),
+    (
+        "{\"bodies\": [\n{\"shapes\": [{\"geometry\": {\"sphere\": {\"radius\":\n -1}}}]}]}",
+        "line 3, column 2",
+        "bodies[0].shapes[0].geometry.sphere.radius: found -1",
+        "expected a number in",
+    ),
+    (
+        "{\"bodies\": [{\"shapes\": [{\"geometry\": {\"cone\": 1}}]}]}",
+        "line 1, column 38",
+        "bodies[0].shapes[0].geometry",
+        "`sphere`, `capsule`",
+    ),
+    (
+        "{\"bodies\": [{\"shapes\": [{\"geometry\": \"half_space\"}]}]}",
+        "line 1, column 38",
+        "bodies[0].shapes[0].geometry",
+        "\"static\" or \"kinematic\"",
+    ),
+    (
+        "{\"bodies\": [{\"shapes\": [{\"geometry\": {\"hull\": \"x\"}}]}]}",
+        "line 1, column 47",
+        "no hull is named \"x\"",
+        "`hulls`, which has none",
+    ),
+    (
+        "{\"materials\": {\"ice\": {}}, \"bodies\": [{\"shapes\": [\n{\"geometry\": \"half_space\", \"material\": \"ise\"}]}]}",
+        "line 2, column 41",
+        "bodies[0].shapes[0].material: no material is named \"ise\"",
+        "one of ice",
+    ),
+];
+
 #[test]
 fn mistakes_are_told_where_they_are() {
-    let cases: &[(&str, &str, &str, &str)] = &[
-        ("", "line 1, column 1", "", "EOF"),
-        ("{\n  \"bodies\": [\n}", "line 3, column 1", "bodies[0]", "expected value"),
-        ("{} x", "line 1, column 4", "", "trailing"),
-        ("[1]", "line 1, column 1", "", "sequence, expected a scene object"),
-        ("{\"bodies\": [[\"static\"]]}", "line 1, column 13", "bodies[0]", "sequence, expected a body object"),
-        ("{\"bodies\": [{\"shapes\": [{\"geometry\": {\"sphere\": [1]}}]}]}", "line 1, column 49", "bodies[0].shapes[0].geometry.sphere", "sequence, expected a geometry, as"),
-        ("{\n\"joints\": []}", "line 2, column 11", "joints", "expected one of `version`"),
-        ("{\"version\": 2}", "line 1, column 13", "version: found 2", "expected 1"),
-        ("{\"gravity\": [0, 0]}", "line 1, column 13", "gravity", "array of length 3"),
-        ("{\"gravity\": [0, \"a\", 0]}", "line 1, column 17", "gravity[1]", "expected f32"),
-        ("{\"gravity\": [0, 1e999, 0]}", "line 1, column 21", "gravity[1]", "number out of range"),
-        ("{\"gravity\": [0, 0, 1e39]}", "line 1, column 23", "gravity[2]", "number out of range"),
-        ("{\"gravity\": [0, NaN, 0]}", "line 1, column 17", "gravity[1]", "expected value"),
-        ("{\"settings\": {\"dt\": -1}}", "line 1, column 21", "settings.dt: found -1", "in 0.0..=0.25"),
-        ("{\"settings\": {\"substeps\": 257}}", "line 1, column 27", "settings.substeps: found 257", "in 1..=256"),
-        ("{\"settings\": {\"contact_model\": \"hard\"}}", "line 1, column 32", "settings.contact_model", "`soft` or `rigid`"),
-        ("{\"materials\": {\"a\": {}, \"a\": {}}}", "line 1, column 15", "materials", "used twice"),
-        ("{\"materials\": {\"a\": {\"friction\": -1}}}", "line 1, column 34", "materials.a.friction: found -1", "in 0.0..=1000000.0"),
-        ("{\"hulls\": {\"h\": {\"points\": [[0,0,0]]}}}", "line 1, column 28", "hulls.h.points: found 1 points", "at least 4"),
-        ("{\"meshes\": {\"m\": {\"inline\": {\"vertices\": [[0,0,0]], \"triangles\": [[0,0,1]]}}}}", "line 1, column 67", "meshes.m.inline.triangles[0]: found index 1", "below 1"),
-        ("{\"meshes\": {\"m\": {\"obj\": {\"path\": \"../x.obj\"}}}}", "line 1, column 35", "meshes.m.obj.path: found \"../x.obj\"", "below the folder"),
-        ("{\"bodies\": [{\"kind\": \"soft\"}]}", "line 1, column 22", "bodies[0].kind", "`static`, `kinematic`, `dynamic`"),
-        ("{\"bodies\": [{\"mass\": {\"mass\": 1}}]}", "line 1, column 22", "bodies[0].mass", "missing field `inertia`"),
-        ("{\"bodies\": [{\"mass\": {\"mass\": 1, \"inertia\": [1, 1, 9]}}]}", "line 1, column 45", "bodies[0].mass.inertia", "none exceeds"),
-        ("{\"bodies\": [{}]}", "line 1, column 13", "bodies[0].shapes", "at least one shape"),
-        ("{\"bodies\": [{\"rotation\": {\"quaternion\": [0, 0, 0, 0]}}]}", "line 1, column 26", "bodies[0].rotation", "not zero"),
-        ("{\"bodies\": [{\"rotation\": {\"degrees\": 1}}]}", "line 1, column 26", "bodies[0].rotation", "`quaternion`, `axis_angle`, `euler_degrees`"),
-        ("{\"bodies\": [{\"position\": [1e11, 0, 0]}]}", "line 1, column 26", "bodies[0].position", "metres in"),
-        ("{\"bodies\": [{\"user\": -1}]}", "line 1, column 22", "bodies[0].user", "expected u64"),
-        ("{\"bodies\": [{\"locks\": [\"move_w\"]}]}", "line 1, column 24", "bodies[0].locks[0]", "`move_x`"),
-        ("{\"bodies\": [\n{\"shapes\": [{\"geometry\": {\"sphere\": {\"radius\":\n -1}}}]}]}", "line 3, column 2", "bodies[0].shapes[0].geometry.sphere.radius: found -1", "expected a number in"),
-        ("{\"bodies\": [{\"shapes\": [{\"geometry\": {\"cone\": 1}}]}]}", "line 1, column 38", "bodies[0].shapes[0].geometry", "`sphere`, `capsule`"),
-        ("{\"bodies\": [{\"shapes\": [{\"geometry\": \"half_space\"}]}]}", "line 1, column 38", "bodies[0].shapes[0].geometry", "\"static\" or \"kinematic\""),
-        ("{\"bodies\": [{\"shapes\": [{\"geometry\": {\"hull\": \"x\"}}]}]}", "line 1, column 47", "no hull is named \"x\"", "`hulls`, which has none"),
-        ("{\"materials\": {\"ice\": {}}, \"bodies\": [{\"shapes\": [{\"geometry\": {\"sphere\": {\"radius\": 1}}, \"material\": \"ise\"}]}]}", "line 1, column 103", "bodies[0].shapes[0].material: no material is named \"ise\"", "one of ice"),
-    ];
-    for (text, place, path, expected) in cases {
+    for (text, place, path, expected) in MISTAKES {
         let message = refusal(text);
         assert!(message.starts_with(&format!("{place}: ")), "{text}\n{message}\nshould start with {place}");
         assert!(message.contains(path), "{text}\n{message}\nshould contain {path}");
@@ -166,7 +265,10 @@ fn mistakes_are_told_where_they_are() {
 #[test]
 fn too_much_is_refused_before_memory_is_taken() {
     let cases = [
-        ("{\"capacities\": {\"bodies\": 1000000000}}", "1000000000 bodies are too many, expected at most 262144"),
+        (
+            "{\"capacities\": {\"bodies\": 1000000000}}",
+            "1000000000 bodies are too many, expected at most 262144",
+        ),
         ("{\"capacities\": {\"shapes\": 4294967295}}", "4294967295 shapes are too many"),
         ("{\"capacities\": {\"contacts\": 1000000000}}", "1000000000 contacts are too many"),
         ("{\"capacities\": {\"pairs\": 1e9}}", "expected u32"),
@@ -180,7 +282,10 @@ fn too_much_is_refused_before_memory_is_taken() {
     }
     let many = format!("{{\"bodies\": [{}{{}}]}}", "{},".repeat(BODIES_MAX));
     let message = refusal(&many);
-    assert!(message.contains("expected a list of at most 262144 entries") && message.contains("bodies"), "{message}");
+    assert!(
+        message.contains("expected a list of at most 262144 entries") && message.contains("bodies"),
+        "{message}"
+    );
     let shapes = "{\"geometry\":\"half_space\"},".repeat(SHAPES_PER_BODY_MAX);
     assert!(refusal(&format!("{{\"bodies\":[{{\"shapes\":[{shapes}{{}}]}}]}}")).contains("bodies[0].shapes"));
 }
@@ -188,14 +293,19 @@ fn too_much_is_refused_before_memory_is_taken() {
 #[test]
 fn limits_are_kept() {
     let strict = Limits { file_bytes: 10_000, bodies: 2, shapes: 2, contacts: 100, memory_bytes: 1 << 20 };
-    let strictly = |text: &str| Scene::from_json(text.as_bytes(), &strict).map(|scene| scene.build_within(Path::new(""), &strict));
+    let strictly = |text: &str| {
+        Scene::from_json(text.as_bytes(), &strict).map(|scene| scene.build_within(Path::new(""), &strict))
+    };
     let body = "{\"kind\":\"static\",\"shapes\":[{\"geometry\":\"half_space\"}]}";
     assert!(strictly(&format!("{{\"bodies\":[{body},{body}]}}")).is_ok_and(|world| world.is_ok()));
     let error = |text: String| match strictly(&text) {
         Ok(Err(error)) | Err(error) => error.to_string(),
         Ok(Ok(_)) => panic!("accepted: {text}"),
     };
-    assert!(error(format!("{{\"bodies\":[{body},{body},{body}]}}")).contains("3 bodies are too many, expected at most 2"));
+    assert!(
+        error(format!("{{\"bodies\":[{body},{body},{body}]}}"))
+            .contains("3 bodies are too many, expected at most 2")
+    );
     assert!(error(" ".repeat(10_001)).contains("10001 bytes are too many"));
     assert!(error("{\"capacities\":{\"contacts\":101}}".to_string()).contains("101 contacts"));
     let tiny = Limits { memory_bytes: 64, ..strict };
@@ -223,7 +333,10 @@ fn hostile_text_never_panics() {
     let text = full().to_json().into_bytes();
     let mut seed = 7u64;
     for end in 0..text.len() {
-        assert!(Scene::from_json(&text[..end], &Limits::default()).is_err() || text[end..].trim_ascii().is_empty());
+        assert!(
+            Scene::from_json(&text[..end], &Limits::default()).is_err()
+                || text[end..].trim_ascii().is_empty()
+        );
         let mut changed = text.clone();
         for _ in 0..4 {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -241,11 +354,13 @@ fn builtin_scenes_build() {
     for builtin in BUILTIN {
         for size in [1, builtin.golden_size] {
             let scene = builtin.scene(size).unwrap();
-            let built = scene.build(Path::new("")).unwrap_or_else(|error| panic!("{}: {error}", builtin.name));
+            let built =
+                scene.build(Path::new("")).unwrap_or_else(|error| panic!("{}: {error}", builtin.name));
             assert_eq!(built.bodies.len(), scene.bodies.len(), "{}", builtin.name);
             assert!(built.notes.is_empty(), "{}: {:?}", builtin.name, built.notes);
             for (handle, doc) in built.bodies.iter().zip(&scene.bodies) {
-                // Built-in positions are exact; the world keeps centers of mass, and turns back to the origin.
+                // Built-in positions are exact; the world keeps centers of mass, and turns back to the
+                // origin.
                 let position = built.world.position(*handle).unwrap().to_f64();
                 let close = position.iter().zip(doc.position).all(|(a, b)| (a - b).abs() < 1.0e-5);
                 assert!(close, "{}: {position:?} and {:?}", builtin.name, doc.position);
@@ -271,7 +386,10 @@ fn meshes_come_from_files_beside_the_scene() {
     let obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\n\
                f 1 2 3 4 5 6\nf 1 2 7\nf 1 7 2 2\no again\nf 3 2 4 4\nf 7 2 1\nf 2 3 4\nf 4 3 2\n";
     fs::write(folder.join("deep/l.obj"), obj).unwrap();
-    let text = "{\"meshes\": {\"l\": {\"obj\": {\"path\": \"deep/l.obj\", \"scale\": 2}}}, \"bodies\": [{\"kind\": \"static\", \"shapes\": [{\"geometry\": {\"mesh\": \"l\"}}]}]}";
+    let text = r#"{
+        "meshes": { "l": { "obj": { "path": "deep/l.obj", "scale": 2 } } },
+        "bodies": [{ "kind": "static", "shapes": [{ "geometry": { "mesh": "l" } }] }]
+    }"#;
     fs::write(folder.join("scene.json"), text).unwrap();
     let built = load(&folder.join("scene.json"), &Limits::default()).unwrap();
     let (name, notes) = &built.notes[0];
@@ -301,7 +419,10 @@ fn wrong_files_are_named() {
     assert!(error("huge.obj").contains("101 bytes are too many, expected at most 100"));
     fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
     let message = error("flat.obj");
-    assert!(message.contains("scene.json: line 2, column 17: meshes.m: nothing is left (1 triangles"), "{message}");
+    assert!(
+        message.contains("scene.json: line 2, column 17: meshes.m: nothing is left (1 triangles"),
+        "{message}"
+    );
     assert!(error("missing.obj").contains("missing.obj: meshes.m.obj.path: cannot be read"));
     fs::create_dir(folder.join("folder.obj")).unwrap();
     assert!(error("folder.obj").contains("not an ordinary file"));

@@ -1,4 +1,8 @@
 //! Scenes, commands, oracles and executors shared by tests, benches and fuzz targets.
 
+pub mod commands;
 pub mod executors;
+pub mod fuzzing;
+pub mod schedules;
+pub mod simulator;
 pub mod worlds;

@@ -1,7 +1,8 @@
 //! From two touching faces to at most four contact points.
 //!
-//! The *reference* face gives the normal. The *incident* face of the other hull, the one at its deepest vertex
-//! that looks most against the reference, is cut by the reference face's side planes (Sutherland and Hodgman 1974):
+//! The *reference* face gives the normal. The *incident* face of the other hull, the one at its deepest
+//! vertex that looks most against the reference, is cut by the reference face's side planes (Sutherland and
+//! Hodgman 1974):
 //!
 //! ```text
 //!        incident          every edge of the polygon has a label: an edge of the incident loop or a side;
@@ -18,6 +19,7 @@
 //! | 30..32 | 0 round shapes and closest points, 1 reference face on A, 2 on B, 3 two edges |
 //! | 28..30 | 0 incident vertex, 1 incident edge with side, 2 two sides |
 //! | 21..28 | reference face |
+//! | 18..21 | counts up where a name would occur twice (rounding only) |
 //! | 0..18 | vertex; inside vertex, outside vertex and side; or side and side (6 bits each) |
 //!
 //! Two edges: edge of A in bits 8..16, edge of B in bits 0..8.

@@ -5,10 +5,12 @@
 //! keep the corners that carry it, add the corner farthest along `-v`, until none is farther.
 //!
 //! In f32 every case is decided by comparing candidates, not by one sign: a triangle takes the best of its
-//! inside and its edges, a flat tetrahedron the best of its faces, so degenerate simplices need no care. Inside
-//! of a triangle `v` is a multiple of the triangle's normal: its direction stays exact when the sets nearly touch.
+//! inside and its edges, a flat tetrahedron the best of its faces, so degenerate simplices need no care.
+//! Inside of a triangle `v` is a multiple of the triangle's normal: its direction stays exact when the sets
+//! nearly touch.
 //!
-//! Invariants: `|v|` falls from step to step but for a few stalls, so the search ends; ties go to the lowest index.
+//! Invariants: `|v|` falls from step to step but for a few stalls, so the search ends; ties go to the lowest
+//! index.
 
 use crate::math::{Vec3, length, max};
 
@@ -114,8 +116,8 @@ pub fn closest(a: &[Vec3], b: &[Vec3], limit: f32) -> Option<Closest> {
             return None;
         }
         extent = max(extent, length(corner.point));
-        // How much nearer the corner is than the simplex. Taken from the difference, the error is that of an angle
-        // of some 1e-7 and not that of the distance, whose root would be the angle.
+        // How much nearer the corner is than the simplex. Taken from the difference, the error is that of an
+        // angle of some 1e-7 and not that of the distance, whose root would be the angle.
         let step = simplex.corners[0].point - corner.point;
         let gain = simplex.v.dot(step) / distance;
         if simplex.has(&corner) || gain <= ROUNDING * length(step) {

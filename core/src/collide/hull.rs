@@ -18,9 +18,7 @@ mod merge;
 
 use super::mass::MassProperties;
 use super::vector64::{Vector, cross, difference, dot, length, to_f64, to_vec3};
-use super::{
-    Edge, Face, HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX, Hull, Plane, Solid,
-};
+use super::{Edge, Face, HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX, Hull, Plane, Solid};
 use crate::math::{Vec3, max, max_each, min_each};
 use core::fmt;
 use growth::{FACETS, Growth, VERTICES};

@@ -329,7 +329,8 @@ mod tests {
         let size = 2.0 * reach / cells as f32;
         let (mut mass, mut first, mut second) = (0.0, [0.0; 3], [[0.0; 3]; 3]);
         for i in 0..cells * cells * cells {
-            let cell = [i % cells, i / cells % cells, i / cells / cells].map(|k| (k as f32 + 0.5) * size - reach);
+            let cell =
+                [i % cells, i / cells % cells, i / cells / cells].map(|k| (k as f32 + 0.5) * size - reach);
             let m = f64::from(inside(Vec3::from(cell)) * size * size * size);
             let x = cell.map(f64::from);
             mass += m;
@@ -341,13 +342,9 @@ mod tests {
             }
         }
         let center = first.map(|x| x / mass);
-        let mut inertia = [[0.0; 3]; 3];
-        for j in 0..3 {
-            for k in 0..3 {
-                let s = |a: usize, b: usize| second[a][b] - mass * center[a] * center[b];
-                inertia[j][k] = if j == k { s(0, 0) + s(1, 1) + s(2, 2) } else { 0.0 } - s(j, k);
-            }
-        }
+        let s = |a: usize, b: usize| second[a][b] - mass * center[a] * center[b];
+        let trace = s(0, 0) + s(1, 1) + s(2, 2);
+        let inertia = [0, 1, 2].map(|j| [0, 1, 2].map(|k| if j == k { trace } else { 0.0 } - s(j, k)));
         (mass, center, inertia)
     }
 
@@ -411,7 +408,7 @@ mod tests {
     fn capsule_and_hull_against_a_grid() {
         let (h, r) = (0.6_f32, 0.35_f32);
         let in_capsule = |p: Vec3| {
-            let z = p.z - p.z.clamp(-h, h);
+            let z = p.z - crate::math::clamp(p.z, -h, h);
             if p.x * p.x + p.y * p.y + z * z <= r * r { 1.0 } else { 0.0 }
         };
         let points: Vec<Vec3> = (0..30_u32)
@@ -494,9 +491,12 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 2.0e-6, "{found} {expected}");
         }
         // The axis of the small moment is the needle's.
-        let (small, _) = properties.inertia.to_array().iter().enumerate().fold((0, f32::MAX), |best, (i, &m)| {
-            if m < best.1 { (i, m) } else { best }
-        });
+        let (small, _) = properties
+            .inertia
+            .to_array()
+            .iter()
+            .enumerate()
+            .fold((0, f32::MAX), |best, (i, &m)| if m < best.1 { (i, m) } else { best });
         let axis = properties.axes.rotate([Vec3::X, Vec3::Y, Vec3::Z][small]);
         assert!(axis.dot(turned().rotate(Vec3::Z)).abs() > 1.0 - 1.0e-6);
     }

@@ -1,7 +1,7 @@
 //! The command `cellstep`: runs scenes, lists and prints the built-in ones.
 //!
-//! Standard output has the answer and nothing else; the progress bar, notes and errors go to standard error. A reader
-//! that closes the pipe early gets what it wanted: that is no error.
+//! Standard output has the answer and nothing else; the progress bar, notes and errors go to standard error.
+//! A reader that closes the pipe early gets what it wanted: that is no error.
 
 #[path = "../cli/args.rs"]
 mod args;

@@ -31,9 +31,9 @@ pub enum Command {
 }
 
 const RUN_HELP: &str = "\
-Times are means per step. A stage's time is wall-clock from its start to the next stage's; `serial` is the part of the
-whole step, over all stages, that runs on one thread. Counts are those of the last step; drops and quarantines are
-totals; barriers are the mean per step. The state's size is that of a snapshot.
+Times are means per step. A stage's time is wall-clock from its start to the next stage's; `serial` is the
+part of the whole step, over all stages, that runs on one thread. Counts are those of the last step; drops
+and quarantines are totals; barriers are the mean per step. The state's size is that of a snapshot.
 
 Examples:
   cellstep run tower --steps 600

@@ -1,10 +1,10 @@
 //! Loom models of the claims at the top of `epoch.rs`, one or two for each, named after them.
 //!
-//! Loom runs a model under every interleaving and every value that a relaxed load may return. Each claim has a small model of two
-//! threads that is explored exhaustively. Three threads, several epochs and the whole pool are explored with at most two to four
-//! preemptions. What must be ordered is a loom cell, whose accesses loom checks for
-//! races; what must merely be counted is an ordinary atomic, which loom does not see. A lost wake-up is a deadlock, which loom
-//! reports.
+//! Loom runs a model under every interleaving and every value that a relaxed load may return. Each claim has
+//! a small model of two threads that is explored exhaustively. Three threads, several epochs and the whole
+//! pool are explored with at most two to four preemptions. What must be ordered is a loom cell, whose
+//! accesses loom checks for races; what must merely be counted is an ordinary atomic, which loom does not
+//! see. A lost wake-up is a deadlock, which loom reports.
 
 use super::{Barrier, Caller, Claim, Worker};
 use crate::pool::Pool;
@@ -23,8 +23,8 @@ struct Board {
     barrier: Barrier,
     /// Stands for the job: written before an epoch is published, read under claims.
     job: UnsafeCell<()>,
-    /// Stands for the tasks' data: written under claims and, between epochs, by the caller.
-    data: [UnsafeCell<()>; TASKS],
+    /// Stands for the tasks' values: written under claims and, between epochs, by the caller.
+    values: [UnsafeCell<()>; TASKS],
     /// How often each task has run.
     runs: [AtomicU32; TASKS],
 }
@@ -35,7 +35,7 @@ impl Board {
         let board = Board {
             barrier,
             job: UnsafeCell::new(()),
-            data: std::array::from_fn(|_| UnsafeCell::new(())),
+            values: std::array::from_fn(|_| UnsafeCell::new(())),
             runs: std::array::from_fn(|_| AtomicU32::new(0)),
         };
         (Arc::new(board), caller, others)
@@ -44,8 +44,8 @@ impl Board {
     /// The caller's writes, and the epoch's start.
     fn publish(&self, caller: &mut Caller, tasks: usize) {
         self.job.with_mut(|_| ());
-        for data in &self.data[..tasks] {
-            data.with_mut(|_| ());
+        for value in &self.values[..tasks] {
+            value.with_mut(|_| ());
         }
         caller.publish(&self.barrier, tasks as u16);
     }
@@ -53,7 +53,7 @@ impl Board {
     fn run(&self, claim: Claim) {
         self.job.with(|_| ());
         for task in claim.tasks() {
-            self.data[task].with_mut(|_| ());
+            self.values[task].with_mut(|_| ());
             self.runs[task].fetch_add(1, SeqCst);
         }
         self.barrier.complete(claim);
@@ -69,8 +69,8 @@ impl Board {
     fn wait(&self, caller: &mut Caller, tasks: usize, epochs: u32) {
         caller.wait(&self.barrier);
         self.job.with_mut(|_| ());
-        for (data, runs) in self.data[..tasks].iter().zip(&self.runs) {
-            data.with_mut(|_| ());
+        for (value, runs) in self.values[..tasks].iter().zip(&self.runs) {
+            value.with_mut(|_| ());
             assert_eq!(runs.load(SeqCst), epochs, "every task once in each epoch");
         }
     }
@@ -193,7 +193,8 @@ fn claims_are_disjoint_with_three_threads() {
     });
 }
 
-/// Two epochs of two tasks against a thread that may stall anywhere, also between its look at a word and its exchange.
+/// Two epochs of two tasks against a thread that may stall anywhere, also between its look at a word and its
+/// exchange.
 fn late_worker(first_epoch: u32, second_epoch: u32) {
     let (board, mut caller, _others) = Board::new(2);
     let thread = intrude(&board, 1, 1);

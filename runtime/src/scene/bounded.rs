@@ -29,7 +29,9 @@ impl<'de, T: Deserialize<'de>, const MAX: usize> Visitor<'de> for List<T, MAX> {
         let mut entries = Vec::new();
         while let Some(entry) = list.next_element()? {
             if entries.len() == MAX {
-                return Err(A::Error::custom(format_args!("too long, expected a list of at most {MAX} entries")));
+                return Err(A::Error::custom(format_args!(
+                    "too long, expected a list of at most {MAX} entries"
+                )));
             }
             entries.push(entry);
         }
@@ -63,7 +65,9 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Table<T> {
                 return Err(A::Error::custom(message));
             }
             if entries.contains_key(&name) {
-                return Err(A::Error::custom(format_args!("the name {name:?} is used twice, expected each once")));
+                return Err(A::Error::custom(format_args!(
+                    "the name {name:?} is used twice, expected each once"
+                )));
             }
             entries.insert(name, entry);
         }

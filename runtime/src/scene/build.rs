@@ -9,16 +9,16 @@ use super::{Limits, obj, rotation};
 use crate::new_world;
 use cellstep_core::math::{Pose, Rotation, Vec3};
 use cellstep_core::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle, Line, MassProperties, MeshHandle,
-    Position, ShapeDef, World,
+    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle, Line,
+    MassProperties, MeshHandle, Position, ShapeDef, World,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Room for pairs of boxes that a scene gets for each shape: a dense pile of alike bodies needs about 8.
 pub const PAIRS_PER_SHAPE: u32 = 16;
-/// Room for contacts that a scene gets for each shape: a ball in a dense pile touches up to 12 others and a contact
-/// is shared by two; the rest is for meshes, where one pair may have several.
+/// Room for contacts that a scene gets for each shape: a ball in a dense pile touches up to 12 others and a
+/// contact is shared by two; the rest is for meshes, where one pair may have several.
 pub const CONTACTS_PER_SHAPE: u32 = 8;
 /// Room for pairs and for contacts that a scene gets on top: small scenes are not dense.
 pub const ROOM_BASE: u32 = 64;
@@ -107,7 +107,11 @@ fn meshes(
         let (soup, mut found) = mesh(place, doc, folder, limits)?;
         let soup = clean::clean(soup, &mut found);
         if soup.triangles.is_empty() {
-            return Err(SceneError::invalid(place, format!("nothing is left ({found})"), "triangles with an area"));
+            return Err(SceneError::invalid(
+                place,
+                format!("nothing is left ({found})"),
+                "triangles with an area",
+            ));
         }
         // A small file named often must not become a large world.
         parts += soup.triangles.len().max(soup.vertices.len());
@@ -120,7 +124,12 @@ fn meshes(
     Ok(meshes)
 }
 
-fn mesh(place: Place<'_>, doc: &MeshDoc, folder: &Path, limits: &Limits) -> Result<(Soup, Notes), SceneError> {
+fn mesh(
+    place: Place<'_>,
+    doc: &MeshDoc,
+    folder: &Path,
+    limits: &Limits,
+) -> Result<(Soup, Notes), SceneError> {
     let (path, scale, turned) = match doc {
         MeshDoc::Inline { vertices, triangles } => {
             let soup = Soup { vertices: vertices.clone(), triangles: triangles.clone() };
@@ -137,7 +146,8 @@ fn mesh(place: Place<'_>, doc: &MeshDoc, folder: &Path, limits: &Limits) -> Resu
     let turn = rotation::rotation(turned).unwrap_or(Rotation::IDENTITY);
     for vertex in &mut soup.vertices {
         let moved = turn.rotate(Vec3::from(*vertex) * scale);
-        if !(moved.abs().max_element() <= check::LENGTH_MAX) {
+        let fits = moved.abs().to_array().iter().all(|&x| x <= check::LENGTH_MAX);
+        if !fits {
             let found = format!("{} has a vertex at {vertex:?} times {scale}", file.display());
             let expected = format!("coordinates within {:e} m", check::LENGTH_MAX);
             return Err(SceneError::invalid(place, found, expected));
@@ -185,7 +195,8 @@ fn bodies(
     let list = list.key("bodies");
     for (index, doc) in scene.bodies.iter().enumerate() {
         let place = list.index(index);
-        let handle = world.create_body(&body_def(doc)).map_err(|e| SceneError::new(place, Problem::World(e)))?;
+        let handle =
+            world.create_body(&body_def(doc)).map_err(|e| SceneError::new(place, Problem::World(e)))?;
         let shapes = place.key("shapes");
         for (index, shape) in doc.shapes.iter().enumerate() {
             let refused = |e: Error| SceneError::new(shapes.index(index), Problem::World(e));
@@ -241,7 +252,8 @@ fn shape_def(doc: &ShapeDoc, scene: &Scene, assets: &Assets<'_>) -> ShapeDef {
         GeometryDoc::HalfSpace => Geometry::HalfSpace,
         GeometryDoc::Mesh(name) => Geometry::Mesh(assets.meshes[name.as_str()]),
     };
-    let material = doc.material.as_ref().map_or_else(MaterialDoc::default, |name| scene.materials[name].clone());
+    let material =
+        doc.material.as_ref().map_or_else(MaterialDoc::default, |name| scene.materials[name].clone());
     ShapeDef {
         geometry,
         pose: Pose::new(Vec3::from(doc.position), checked(&doc.rotation)),

@@ -1,8 +1,8 @@
 //! The built-in scenes: one maker for each, shared by tests, benches and the command.
 //!
-//! A maker takes a size, whose meaning its entry in [`BUILTIN`] states, and returns a document. The same size gives
-//! the same document, bit for bit: what looks random comes from a small generator with a fixed seed, in steps of
-//! 1/1024 m. All scenes are in SI units with z up; the material is the default one (friction 0.6).
+//! A maker takes a size, whose meaning its entry in [`BUILTIN`] states, and returns a document. The same size
+//! gives the same document, bit for bit: what looks random comes from a small generator with a fixed seed, in
+//! steps of 1/1024 m. All scenes are in SI units with z up; the material is the default one (friction 0.6).
 
 mod level;
 mod parts;
@@ -68,7 +68,7 @@ pub const BUILTIN: &[Builtin] = &[
     },
     Builtin {
         name: "pyramid",
-        description: "a flat pyramid of unit boxes that touch; size: boxes in the lowest row, n (n + 1) / 2 in all",
+        description: "a flat pyramid of unit boxes that touch; size: boxes in the lowest row",
         default_size: 100,
         golden_size: 22,
         size_max: 600,
@@ -116,7 +116,7 @@ pub const BUILTIN: &[Builtin] = &[
     },
     Builtin {
         name: "level",
-        description: "a game level (a mesh with hills, stairs and a rim) on which mixed bodies fall; size: bodies",
+        description: "mixed bodies fall on a mesh with hills, stairs and a rim; size: bodies",
         default_size: 500,
         golden_size: 150,
         size_max: 20_000,

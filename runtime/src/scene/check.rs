@@ -130,7 +130,10 @@ fn hull(place: Place<'_>, hull: &HullDoc) -> Checked {
         let found = format!("found {} points", hull.points.len());
         return Err(SceneError::invalid(points, found, "at least 4, not in one plane"));
     }
-    hull.points.iter().enumerate().try_for_each(|(index, point)| vector(points.index(index), point, LENGTH_MAX))
+    hull.points
+        .iter()
+        .enumerate()
+        .try_for_each(|(index, point)| vector(points.index(index), point, LENGTH_MAX))
 }
 
 fn mesh(place: Place<'_>, mesh: &MeshDoc) -> Checked {
@@ -138,7 +141,11 @@ fn mesh(place: Place<'_>, mesh: &MeshDoc) -> Checked {
         MeshDoc::Obj { path, scale, rotation } => {
             let place = place.key("obj");
             super::obj::check_path(path).map_err(|found| {
-                SceneError::invalid(place.key("path"), found, "a path below the folder of the scene, without `..`")
+                SceneError::invalid(
+                    place.key("path"),
+                    found,
+                    "a path below the folder of the scene, without `..`",
+                )
             })?;
             range(place.key("scale"), *scale, 1.0e-6, 1.0e6)?;
             turned(place.key("rotation"), rotation)
@@ -153,7 +160,11 @@ fn mesh(place: Place<'_>, mesh: &MeshDoc) -> Checked {
             for (index, triangle) in triangles.iter().enumerate() {
                 if let Some(bad) = triangle.iter().find(|&&vertex| vertex as usize >= vertices.len()) {
                     let expected = format!("indices below {}, the number of vertices", vertices.len());
-                    return Err(SceneError::invalid(place.index(index), format!("found index {bad}"), expected));
+                    return Err(SceneError::invalid(
+                        place.index(index),
+                        format!("found index {bad}"),
+                        expected,
+                    ));
                 }
             }
             if triangles.is_empty() {
@@ -166,7 +177,7 @@ fn mesh(place: Place<'_>, mesh: &MeshDoc) -> Checked {
 
 fn body(place: Place<'_>, body: &BodyDoc, scene: &Scene) -> Checked {
     for x in body.position {
-        if !(x.abs() <= POSITION_MAX) {
+        if x.is_nan() || x.abs() > POSITION_MAX {
             let expected = format!("metres in -{POSITION_MAX:e}..={POSITION_MAX:e}");
             return Err(SceneError::invalid(place.key("position"), format!("found {x}"), expected));
         }
@@ -182,7 +193,11 @@ fn body(place: Place<'_>, body: &BodyDoc, scene: &Scene) -> Checked {
     }
     let shapes = place.key("shapes");
     if body.kind == KindDoc::Dynamic && body.mass.is_none() && body.shapes.is_empty() {
-        return Err(SceneError::invalid(shapes, "found none", "at least one shape, or `mass`, on a dynamic body"));
+        return Err(SceneError::invalid(
+            shapes,
+            "found none",
+            "at least one shape, or `mass`, on a dynamic body",
+        ));
     }
     for (index, shape) in body.shapes.iter().enumerate() {
         self::shape(shapes.index(index), shape, body.kind, scene)?;
@@ -194,7 +209,10 @@ fn mass(place: Place<'_>, mass: &MassDoc) -> Checked {
     range(place.key("mass"), mass.mass, MASS_MIN, MASS_MAX)?;
     vector(place.key("center"), &mass.center, LENGTH_MAX)?;
     let inertia = place.key("inertia");
-    mass.inertia.iter().enumerate().try_for_each(|(i, &x)| range(inertia.index(i), x, INERTIA_MIN, INERTIA_MAX))?;
+    mass.inertia
+        .iter()
+        .enumerate()
+        .try_for_each(|(i, &x)| range(inertia.index(i), x, INERTIA_MIN, INERTIA_MAX))?;
     turned(place.key("axes"), &mass.axes)?;
     let [x, y, z] = mass.inertia;
     let slack = 1.0e-6 * (x + y + z);

@@ -1,4 +1,5 @@
-//! Triangles as the engine takes them: equal vertices made one, empty and repeated triangles dropped and counted.
+//! Triangles as the engine takes them: equal vertices made one, empty and repeated triangles dropped and
+//! counted.
 
 use std::fmt;
 
@@ -51,13 +52,14 @@ pub struct Soup {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Least height of a triangle as a share of its longest edge: twice what the engine asks, so that rounding never
-/// lets through what it refuses.
+/// Least height of a triangle as a share of its longest edge: twice what the engine asks, so that rounding
+/// never lets through what it refuses.
 const HEIGHT_MIN: f64 = 2.0e-6;
 /// Least longest edge, metres: twice what the engine asks.
 const EDGE_MIN: f64 = 2.0e-6;
 
-/// Makes equal vertices one, drops empty and repeated triangles and unused vertices. Keeps the order of what stays.
+/// Makes equal vertices one, drops empty and repeated triangles and unused vertices. Keeps the order of what
+/// stays.
 pub(super) fn clean(soup: Soup, notes: &mut Notes) -> Soup {
     let (same, merged) = merge(&soup.vertices);
     notes.merged_vertices += merged;

@@ -1,5 +1,5 @@
-//! What can be wrong with a scene, said so that its author can mend it: file, line, column, path in the document,
-//! what was found and what was expected.
+//! What can be wrong with a scene, said so that its author can mend it: file, line, column, path in the
+//! document, what was found and what was expected.
 
 use cellstep_core::Error;
 use std::fmt;

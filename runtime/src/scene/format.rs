@@ -1,12 +1,12 @@
 //! The scene document: one Rust struct for each JSON object.
 //!
-//! A document is a value: it owns no memory of a world, compares by `==`, and comes back equal (to the bit) when it
-//! is written with [`Scene::to_json`] and read again. What has its default value is left out of the text.
-//! `SCENES.md` describes the same fields for whoever writes scenes by hand.
+//! A document is a value: it owns no memory of a world, compares by `==`, and comes back equal (to the bit)
+//! when it is written with [`Scene::to_json`] and read again. What has its default value is left out of the
+//! text. `SCENES.md` describes the same fields for whoever writes scenes by hand.
 //!
-//! Choices: enums are externally tagged (`{"sphere": {...}}`), because the other ways buffer their input and lose
-//! the line of a mistake; assets are named once and referred to by name, so a thousand rocks cost one hull; unknown
-//! fields are refused, so a misspelled field is an error and not a default.
+//! Choices: enums are externally tagged (`{"sphere": {...}}`), because the other ways buffer their input and
+//! lose the line of a mistake; assets are named once and referred to by name, so a thousand rocks cost one
+//! hull; unknown fields are refused, so a misspelled field is an error and not a default.
 
 use super::bounded::{bounded, unique};
 use cellstep_core::config::{ContactModel, Settings};
@@ -169,7 +169,11 @@ pub struct HullDoc {
 
 /// Where a mesh comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields, expecting = "a mesh, as {\"obj\": {\"path\": \"level.obj\"}}")]
+#[serde(
+    rename_all = "snake_case",
+    deny_unknown_fields,
+    expecting = "a mesh, as {\"obj\": {\"path\": \"level.obj\"}}"
+)]
 pub enum MeshDoc {
     /// A Wavefront OBJ file.
     Obj {
@@ -226,7 +230,11 @@ pub enum LockDoc {
 
 /// A rotation in one of three spellings. Right-handed; need not be normalised.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields, expecting = "a rotation, as {\"euler_degrees\": [0, 0, 90]}")]
+#[serde(
+    rename_all = "snake_case",
+    deny_unknown_fields,
+    expecting = "a rotation, as {\"euler_degrees\": [0, 0, 90]}"
+)]
 pub enum RotationDoc {
     /// `[x, y, z, w]`, the real part last.
     Quaternion([f32; 4]),
@@ -363,7 +371,11 @@ impl ShapeDoc {
 
 /// The form of a shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields, expecting = "a geometry, as {\"sphere\": {\"radius\": 1}}")]
+#[serde(
+    rename_all = "snake_case",
+    deny_unknown_fields,
+    expecting = "a geometry, as {\"sphere\": {\"radius\": 1}}"
+)]
 pub enum GeometryDoc {
     /// Ball around the origin.
     Sphere {
@@ -390,8 +402,8 @@ pub enum GeometryDoc {
     Mesh(String),
 }
 
-/// Which shapes collide: when each one's category is in the other's mask; shapes of one group other than 0 always
-/// (positive) or never (negative).
+/// Which shapes collide: when each one's category is in the other's mask; shapes of one group other than 0
+/// always (positive) or never (negative).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a filter object")]
 pub struct FilterDoc {

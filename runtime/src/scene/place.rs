@@ -98,13 +98,17 @@ impl Scan<'_> {
         }
     }
 
-    /// The longest key of the object here with which `wanted` starts and after which a step begins or it ends.
+    /// The longest key of the object here with which `wanted` starts and after which a step begins or it
+    /// ends.
     fn longest_key(&mut self, wanted: &str) -> Option<String> {
         let mut longest = String::new();
         self.entries(|_, name| {
             let ends = |rest: &[u8]| rest.is_empty() || rest[0] == b'.' || rest[0] == b'[';
             let name = std::str::from_utf8(name).unwrap_or("");
-            if wanted.starts_with(name) && ends(&wanted.as_bytes()[name.len()..]) && name.len() > longest.len() {
+            if wanted.starts_with(name)
+                && ends(&wanted.as_bytes()[name.len()..])
+                && name.len() > longest.len()
+            {
                 longest = name.to_string();
             }
             false
@@ -121,7 +125,8 @@ impl Scan<'_> {
         Some(found)
     }
 
-    /// Walks over the entries of the list or object here until `choose(index, key)`; then stands on that value.
+    /// Walks over the entries of the list or object here until `choose(index, key)`; then stands on that
+    /// value.
     fn entries(&mut self, mut choose: impl FnMut(usize, &[u8]) -> bool) -> Option<bool> {
         let keyed = self.peek()? == b'{';
         self.at += 1;
@@ -167,7 +172,10 @@ impl Scan<'_> {
                 }
                 b',' | b':' | b' ' | b'\t' | b'\r' | b'\n' => self.at += 1,
                 _ => {
-                    while !matches!(self.peek(), None | Some(b',' | b':' | b']' | b'}' | b' ' | b'\t' | b'\r' | b'\n' | b'"')) {
+                    while !matches!(
+                        self.peek(),
+                        None | Some(b',' | b':' | b']' | b'}' | b' ' | b'\t' | b'\r' | b'\n' | b'"')
+                    ) {
                         self.at += 1;
                     }
                 }

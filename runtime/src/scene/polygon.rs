@@ -1,9 +1,9 @@
 //! Polygons cut into triangles.
 //!
-//! A face is projected along the greatest axis of its Newell normal, which drops one coordinate and rounds nothing,
-//! and ear-clipped there by `earcut`, in f64. The triangles keep the face's winding. What a fan gets wrong (a
-//! concave face) comes out right; a face that is not flat gets some triangulation of its outline; what crosses itself
-//! gets as good a cover as there is, and is counted.
+//! A face is projected along the greatest axis of its Newell normal, which drops one coordinate and rounds
+//! nothing, and ear-clipped there by `earcut`, in f64. The triangles keep the face's winding. What a fan gets
+//! wrong (a concave face) comes out right; a face that is not flat gets some triangulation of its outline;
+//! what crosses itself gets as good a cover as there is, and is counted.
 
 use super::clean::Notes;
 use earcut::Earcut;
@@ -20,7 +20,8 @@ pub(super) struct Clipper {
 }
 
 impl Clipper {
-    /// Appends the triangles of the polygon `corners` (indices of finite `vertices`, in order) to `triangles`.
+    /// Appends the triangles of the polygon `corners` (indices of finite `vertices`, in order) to
+    /// `triangles`.
     pub(super) fn clip(
         &mut self,
         vertices: &[[f32; 3]],
@@ -39,8 +40,8 @@ impl Clipper {
         let point = |corner: u32| vertices[corner as usize].map(f64::from);
         let normal = newell(corners.iter().map(|&corner| point(corner)));
         let Some((u, v)) = plane(normal) else {
-            // No area to speak of: on a line, or as much left as right, like a bow-tie. Its fan covers what there
-            // is; the cleaning drops empty triangles.
+            // No area to speak of: on a line, or as much left as right, like a bow-tie. Its fan covers what
+            // there is; the cleaning drops empty triangles.
             notes.crossed_faces += 1;
             triangles.extend(corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
             return;
@@ -75,12 +76,14 @@ impl Clipper {
             outline += fan;
             spread += fan.abs();
         }
-        let cover: f64 = self.cuts.chunks_exact(3).map(|cut| self.signed_area([cut[0], cut[1], cut[2]]).abs()).sum();
+        let cover: f64 =
+            self.cuts.chunks_exact(3).map(|cut| self.signed_area([cut[0], cut[1], cut[2]]).abs()).sum();
         (cover - outline.abs()).abs() > AREA_TOLERANCE * spread
     }
 }
 
-/// Twice the vector area of a polygon (Newell's method), about its first corner so that far-off polygons lose nothing.
+/// Twice the vector area of a polygon (Newell's method), about its first corner so that far-off polygons lose
+/// nothing.
 fn newell(corners: impl Iterator<Item = [f64; 3]>) -> Area {
     let mut corners = corners;
     let Some(origin) = corners.next() else { return Area::default() };
@@ -93,9 +96,9 @@ fn newell(corners: impl Iterator<Item = [f64; 3]>) -> Area {
             previous[2] * edge[0] - previous[0] * edge[2],
             previous[0] * edge[1] - previous[1] * edge[0],
         ];
-        for axis in 0..3 {
-            area.vector[axis] += fan[axis];
-            area.spread += fan[axis].abs();
+        for (sum, part) in area.vector.iter_mut().zip(fan) {
+            *sum += part;
+            area.spread += part.abs();
         }
         previous = edge;
     }
@@ -109,8 +112,8 @@ struct Area {
     spread: f64,
 }
 
-/// The two axes of the projection along the greatest component of the area, in the order in which the polygon runs
-/// counter-clockwise; `None` when there is no area.
+/// The two axes of the projection along the greatest component of the area, in the order in which the polygon
+/// runs counter-clockwise; `None` when there is no area.
 fn plane(area: Area) -> Option<(usize, usize)> {
     let size = area.vector.map(f64::abs);
     let axis = if size[0] >= size[1] && size[0] >= size[2] {
@@ -150,7 +153,8 @@ mod tests {
         a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     }
 
-    /// Triangles of a simple flat polygon: each winds like the polygon, none overlaps another, and they cover it.
+    /// Triangles of a simple flat polygon: each winds like the polygon, none overlaps another, and they cover
+    /// it.
     fn check(vertices: &[[f32; 3]]) {
         let (triangles, notes) = clip(vertices);
         assert_eq!(notes, Notes::default());
@@ -179,10 +183,16 @@ mod tests {
         }
     }
 
+    type Turn = fn(&[f32; 2]) -> [f32; 3];
+
     /// The same outline in the xy, yz and zx planes, tilted, and backwards.
     fn check_all(outline: &[[f32; 2]]) {
-        let turns: [fn(&[f32; 2]) -> [f32; 3]; 4] =
-            [|p| [p[0], p[1], 2.0], |p| [-3.0, p[0], p[1]], |p| [p[1], 0.0, p[0]], |p| [p[0], p[1], p[0] - 0.5 * p[1]]];
+        let turns: [Turn; 4] = [
+            |p| [p[0], p[1], 2.0],
+            |p| [-3.0, p[0], p[1]],
+            |p| [p[1], 0.0, p[0]],
+            |p| [p[0], p[1], p[0] - 0.5 * p[1]],
+        ];
         for turn in turns {
             let mut vertices: Vec<[f32; 3]> = outline.iter().map(turn).collect();
             check(&vertices);
@@ -206,7 +216,14 @@ mod tests {
         let mut comb = vec![[0.0, 0.0], [20.0, 0.0]];
         for tooth in (0..10).rev() {
             let x = 2.0 * tooth as f32;
-            comb.extend([[x + 2.0, 9.0], [x + 1.5, 9.0], [x + 1.5, 1.0], [x + 0.5, 1.0], [x + 0.5, 9.0], [x, 9.0]]);
+            comb.extend([
+                [x + 2.0, 9.0],
+                [x + 1.5, 9.0],
+                [x + 1.5, 1.0],
+                [x + 0.5, 1.0],
+                [x + 0.5, 9.0],
+                [x, 9.0],
+            ]);
         }
         comb.dedup();
         check_all(&comb);
@@ -215,7 +232,8 @@ mod tests {
     #[test]
     fn vertices_on_straight_edges_are_kept() {
         // Neighbouring faces may end there: dropping them would leave a crack in the topology.
-        let outline = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]];
+        let outline =
+            [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]];
         let vertices = outline.map(|p: [f32; 2]| [p[0], p[1], 0.0]);
         check(&vertices);
         let (triangles, _) = clip(&vertices);

@@ -12,8 +12,8 @@ use std::path::Path;
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
 impl Scene {
-    /// Reads a document from JSON text (UTF-8, at most `limits.file_bytes` long) and checks all that can be checked
-    /// without its mesh files.
+    /// Reads a document from JSON text (UTF-8, at most `limits.file_bytes` long) and checks all that can be
+    /// checked without its mesh files.
     ///
     /// Errors have line, column and path, but no file.
     pub fn from_json(text: &[u8], limits: &Limits) -> Result<Self, SceneError> {
@@ -43,8 +43,12 @@ pub fn load(file: &Path, limits: &Limits) -> Result<Build, SceneError> {
 }
 
 fn read_text(file: &Path, limits: &Limits) -> Result<(Scene, Vec<u8>), SceneError> {
-    let text = obj::read_file(file, limits.file_bytes)
-        .map_err(|problem| SceneError { file: Some(file.to_path_buf()), at: None, path: String::new(), problem })?;
+    let text = obj::read_file(file, limits.file_bytes).map_err(|problem| SceneError {
+        file: Some(file.to_path_buf()),
+        at: None,
+        path: String::new(),
+        problem,
+    })?;
     match Scene::from_json(&text, limits) {
         Ok(scene) => Ok((scene, text)),
         Err(error) => Err(error.in_text(file, &text)),
@@ -74,8 +78,9 @@ fn format_error(error: &serde_json::Error, path: String, text: &[u8]) -> SceneEr
     let message = error.to_string();
     // The place is told apart from the message.
     let message = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
-    // Of a value that is not what it should be, the reader knows the end; its start is found by its path. Where the
-    // text itself is broken only the reader knows the place. Columns count from 1; before the first character it says 0.
+    // Of a value that is not what it should be, the reader knows the end; its start is found by its path.
+    // Where the text itself is broken only the reader knows the place. Columns count from 1; before the first
+    // character it says 0.
     let marked = line == 1 && text.starts_with(MARK);
     let stop = (line > 0).then_some((line, column.max(1) + if marked { MARK.len() } else { 0 }));
     let start = if error.is_data() { super::place::locate(text, &path) } else { None };

@@ -1,4 +1,5 @@
-//! Rotations of the document as unit quaternions, through the engine's own trigonometry: the same bits everywhere.
+//! Rotations of the document as unit quaternions, through the engine's own trigonometry: the same bits
+//! everywhere.
 
 use super::format::RotationDoc;
 use cellstep_core::math::{PI, Rotation, Vec3, length};

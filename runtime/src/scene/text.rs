@@ -13,7 +13,8 @@ impl Scene {
     pub fn to_json(&self) -> String {
         let mut text = Vec::new();
         // Writing to memory fails only for maps whose keys are not strings: there are none.
-        self.serialize(&mut Serializer::with_formatter(&mut text, Lines::default())).expect("keys are strings");
+        self.serialize(&mut Serializer::with_formatter(&mut text, Lines::default()))
+            .expect("keys are strings");
         text.push(b'\n');
         String::from_utf8(text).expect("JSON is UTF-8")
     }

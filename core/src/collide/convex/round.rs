@@ -153,7 +153,12 @@ pub fn capsules(a: &Segment, b: &Segment, distance: f32) -> Option<Manifold> {
     if sine < ALONG && high - low > ONE_POINT * least {
         let (n, _) = nearest.normal(radii);
         let end = |s: f32, feature| between(s, clamp((s - ra) / cosine, -hb, hb)).point(n, radii, feature);
-        return pair(n, [end(low, END_FEATURES[0]), end(high, END_FEATURES[1])], (least, distance));
+        let [p, q] = [end(low, END_FEATURES[0]), end(high, END_FEATURES[1])];
+        // Unless the closest points lie beyond the overlap.
+        let enough = nearest.point(n, radii, CLOSEST_FEATURE).separation + SLACK * least;
+        if min(p.separation, q.separation) <= enough {
+            return pair(n, [p, q], (least, distance));
+        }
     }
     if sine >= ALONG && line_s.abs() <= ha && line_t.abs() <= hb {
         // They cross: the normal is exact however near the cores are.

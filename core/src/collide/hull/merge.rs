@@ -95,7 +95,9 @@ fn mask(facet: &Facet) -> u128 {
 fn rim(hull: &Growth<'_>, face_of: &[u8; FACETS], face: u8) -> Option<Loop> {
     let mut next = [NONE; VERTICES];
     let (mut start, mut count) = (NONE, 0);
-    for facet in hull.facets.iter().zip(face_of).filter(|&(_, &of)| of == face).filter_map(|(f, _)| f.as_ref()) {
+    for facet in
+        hull.facets.iter().zip(face_of).filter(|&(_, &of)| of == face).filter_map(|(f, _)| f.as_ref())
+    {
         for (tail, head) in facet.edges() {
             let across = hull.owner[usize::from(head)][usize::from(tail)];
             if face_of[usize::from(across)] != face {

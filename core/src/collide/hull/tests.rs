@@ -35,7 +35,8 @@ impl Random {
 
 /// Checks everything the file's head promises, independently of how it was built.
 fn check(points: &[Vec3]) -> HullTables {
-    let hull = build(points).unwrap_or_else(|e| panic!("{e:?} for {} points {:?}", points.len(), &points[..8.min(points.len())]));
+    let hull = build(points)
+        .unwrap_or_else(|e| panic!("{e:?} for {} points {:?}", points.len(), &points[..8.min(points.len())]));
     let tolerance = measure(points).unwrap();
     assert_eq!(hull.vertices.len() + hull.faces.len(), hull.edges.len() + 2);
     assert_eq!(hull.planes.len(), hull.faces.len());

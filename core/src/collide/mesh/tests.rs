@@ -4,7 +4,7 @@ extern crate std;
 use super::*;
 use crate::collide::tree::{self, Tree};
 use crate::collide::{MANIFOLDS_MAX, POINTS_MAX, hull};
-use crate::math::{Rotation, length};
+use crate::math::{PI, Rotation, atan2, cos, length, max, min, sin};
 use std::vec;
 use std::vec::Vec;
 
@@ -106,7 +106,7 @@ fn yaw(angle: f32) -> Rotation {
 
 /// Two quads: from the y axis to the left and to the right, rising by the angles.
 fn fold(left: f32, right: f32) -> Owned {
-    let arm = |angle: f32, sign: f32| Vec3::new(sign * angle.cos(), 0.0, angle.sin()) * 4.0;
+    let arm = |angle: f32, sign: f32| Vec3::new(sign * cos(angle), 0.0, sin(angle)) * 4.0;
     let (l, r, y) = (arm(left, -1.0), arm(right, 1.0), Vec3::Y * 4.0);
     let vertices = vec![-y, y, l - y, l + y, r - y, r + y];
     Owned::new(vertices, &[[0, 1, 3], [0, 3, 2], [0, 1, 5], [5, 0, 4]])
@@ -237,7 +237,7 @@ fn a_ridge_is_felt_within_its_cone() {
         let angle = 0.1 + random.next();
         let ridge = fold(-angle, -angle);
         let lean = (2.0 * random.next() - 1.0) * 0.8 * angle;
-        let up = Vec3::new(lean.sin(), 0.0, lean.cos());
+        let up = Vec3::new(sin(lean), 0.0, cos(lean));
         let gap = 0.006 * random.next() - 0.003;
         // A box on its bottom, on the ridge, leaning less than the slopes fall.
         let turn = Rotation::between(Vec3::Z, up);
@@ -255,9 +255,9 @@ fn a_ridge_is_felt_within_its_cone() {
             assert!(!out.is_empty());
             for m in &out {
                 assert!(m.normal.y.abs() < 1.0e-3);
-                assert!(m.normal.x.atan2(m.normal.z).abs() <= angle + 0.011, "round {round} {out:?}");
+                assert!(atan2(m.normal.x, m.normal.z).abs() <= angle + 0.011, "round {round} {out:?}");
             }
-            let least = out.iter().map(deepest).fold(f32::INFINITY, f32::min);
+            let least = out.iter().map(deepest).fold(f32::INFINITY, min);
             assert!((least - gap).abs() < 3.0e-4 + 0.1 * gap.abs(), "round {round} {gap} {out:?}");
         }
     }
@@ -293,7 +293,8 @@ fn on_a_ledge_the_wall_below_does_not_push() {
     let mut random = Random(8);
     for round in 0..9000 {
         let ledge = block(1 + 2 * (round % 3));
-        let half = [Vec3::new(0.5, 0.4, 0.3), Vec3::new(0.05, 0.4, 0.3), Vec3::new(0.5, 0.5, 0.02)][round as usize / 3 % 3];
+        let half = [Vec3::new(0.5, 0.4, 0.3), Vec3::new(0.05, 0.4, 0.3), Vec3::new(0.5, 0.5, 0.02)]
+            [round as usize / 3 % 3];
         // Over the ledge with a part of its width, on either side of the middle, or about to reach it.
         let overhang = if round % 5 == 0 { -1.0 - 0.01 * random.next() } else { 1.2 * random.next() - 0.8 };
         let x = 1.0 + overhang * half.x;
@@ -312,10 +313,10 @@ fn on_a_ledge_the_wall_below_does_not_push() {
 
 #[test]
 fn hills_hold_a_ball_and_a_box_at_their_true_depth() {
-    let hills = |x: f32, y: f32| 0.04 * ((5.0 * x).sin() + (4.0 * y + x).cos());
+    let hills = |x: f32, y: f32| 0.04 * (sin(5.0 * x) + cos(4.0 * y + x));
     let ground = grid(24, 0.17, hills);
     let mut random = Random(11);
-    for round in 0..600 {
+    for round in 0..300 {
         let [x, y] = [random.next(), random.next()].map(|r| 1.6 * r - 0.8);
         // The depth of a ball is the least over the triangles one by one: no contact that counts may be judged away.
         let radius = [0.03, 0.1, 0.4][round % 3];
@@ -326,25 +327,30 @@ fn hills_hold_a_ball_and_a_box_at_their_true_depth() {
             let out = one.collide(&Solid::Sphere { radius }, &Pose::new(center, Rotation::IDENTITY), 0.02);
             out.first().map(deepest)
         });
-        let least = alone.fold(f32::INFINITY, f32::min);
-        let found = out.iter().map(deepest).fold(f32::INFINITY, f32::min);
-        assert!((found - least).abs() < 1.0e-4 * radius.max(0.1), "round {round} {found} {least} {out:?}");
+        let least = alone.fold(f32::INFINITY, min);
+        let found = out.iter().map(deepest).fold(f32::INFINITY, min);
+        assert!((found - least).abs() < 1.0e-4 * max(radius, 0.1), "round {round} {found} {least} {out:?}");
 
         // A level box sinks by what the highest ground under it rises above its bottom.
         let half = Vec3::new(0.4, 0.3, 0.2);
         let turn = yaw(random.next() * 7.0);
         let mut top = f32::NEG_INFINITY;
-        for v in ground.vertices.iter().filter(|&v| {
-            let local = turn.unrotate(*v - Vec3::new(x, y, 0.0)).abs();
-            local.x < half.x && local.y < half.y
-        }) {
-            top = top.max(v.z);
+        for triangle in &ground.triangles {
+            let [a, b, c] = triangle.vertices.map(|v| ground.vertices[v as usize]);
+            for i in 0..=24 * 24 {
+                let (u, v) = ((i / 24) as f32 / 24.0, (i % 24) as f32 / 24.0);
+                let p = a + (b - a) * u + (c - a) * v;
+                let local = turn.unrotate(p - Vec3::new(x, y, 0.0)).abs();
+                if u + v <= 1.0 && local.x < half.x && local.y < half.y {
+                    top = max(p.z, top);
+                }
+            }
         }
         let pose = Pose::new(Vec3::new(x, y, top - 0.002 + half.z), turn);
         let out = ground.collide(&Solid::Box { half_extents: half }, &pose, 0.01);
-        let found = out.iter().map(deepest).fold(f32::INFINITY, f32::min);
-        // Between vertices at the box's border the ground may be somewhat higher.
-        assert!((-0.02..-0.0018).contains(&found), "round {round} {found} {out:?}");
+        let found = out.iter().map(deepest).fold(f32::INFINITY, min);
+        // Between samples the ground is a little higher; where a face takes the place of an edge, lower.
+        assert!((-0.004..-0.0014).contains(&found), "round {round} {found} {out:?}");
         assert!(out.iter().all(|m| m.normal.z > 0.85), "round {round} {out:?}");
     }
 }
@@ -352,9 +358,10 @@ fn hills_hold_a_ball_and_a_box_at_their_true_depth() {
 #[test]
 fn winding_does_not_matter() {
     let mut random = Random(9);
-    let hills = |x: f32, y: f32| 0.2 * ((3.0 * x).sin() + (2.0 * y + x).cos());
+    let hills = |x: f32, y: f32| 0.2 * (sin(3.0 * x) + cos(2.0 * y + x));
     let one = grid(12, 0.25, hills);
-    let flipped: Vec<[u32; 3]> = one.triangles.iter().map(|t| t.vertices).map(|[a, b, c]| [a, c, b]).collect();
+    let flipped: Vec<[u32; 3]> =
+        one.triangles.iter().map(|t| t.vertices).map(|[a, b, c]| [a, c, b]).collect();
     let other = Owned::new(one.vertices.clone(), &flipped);
     for _ in 0..300 {
         let pose = Pose::new(random.vector() * Vec3::new(1.0, 1.0, 0.5), random.rotation());
@@ -391,9 +398,8 @@ fn soup_gives_finite_results() {
     let mut touched = 0;
     for _ in 0..60 {
         let vertices: Vec<Vec3> = (0..90).map(|_| random.vector()).collect();
-        let indices: Vec<[u32; 3]> = (0..30)
-            .map(|i| [3 * i, 3 * i + 1, if i % 2 == 0 { 3 * i + 2 } else { 3 * i - 1 }])
-            .collect();
+        let indices: Vec<[u32; 3]> =
+            (0..30).map(|i| [3 * i, 3 * i + 1, if i % 2 == 0 { 3 * i + 2 } else { 3 * i - 1 }]).collect();
         let soup = Owned::new(vertices, &indices);
         let points: Vec<Vec3> = (0..20).map(|_| random.vector() * 0.4).collect();
         let tables = hull::build(&points).unwrap();
@@ -421,8 +427,8 @@ fn more_directions_than_manifolds_keep_the_deepest() {
     let (rings, sides) = (9, 16);
     for ring in 1..rings {
         for side in 0..sides {
-            let (a, b) = (ring as f32 * 3.141_592_7 / rings as f32, side as f32 * 6.283_185_5 / sides as f32);
-            vertices.push(Vec3::new(a.sin() * b.cos(), a.sin() * b.sin(), a.cos()));
+            let (a, b) = (ring as f32 * PI / rings as f32, side as f32 * 2.0 * PI / sides as f32);
+            vertices.push(Vec3::new(sin(a) * cos(b), sin(a) * sin(b), cos(a)));
         }
     }
     let at = |ring: u32, side: u32| 2 + (ring - 1) * sides + side % sides;
@@ -440,7 +446,7 @@ fn more_directions_than_manifolds_keep_the_deepest() {
         .map(|i| {
             let z = 1.0 - (2 * i + 1) as f32 / 60.0;
             let (s, a) = ((1.0 - z * z).sqrt(), 2.4 * i as f32);
-            Vec3::new(s * a.cos(), s * a.sin(), z) * 0.98
+            Vec3::new(s * cos(a), s * sin(a), z) * 0.98
         })
         .collect();
     let tables = hull::build(&points).unwrap();
@@ -451,6 +457,7 @@ fn more_directions_than_manifolds_keep_the_deepest() {
         assert!(m.points.len() <= POINTS_MAX);
         assert!(m.normal.dot(m.points[0].position) < 0.0, "{m:?}");
     }
-    let ball = shell.collide(&Solid::Sphere { radius: 0.9 }, &Pose::new(Vec3::Z * 0.15, Rotation::IDENTITY), 0.0);
+    let ball =
+        shell.collide(&Solid::Sphere { radius: 0.9 }, &Pose::new(Vec3::Z * 0.15, Rotation::IDENTITY), 0.0);
     assert!(!ball.is_empty() && ball.iter().all(|m| m.normal.z < 0.0 && m.points.len() == 1));
 }

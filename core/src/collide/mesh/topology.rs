@@ -68,7 +68,9 @@ impl fmt::Display for MeshError {
             }
             Self::IndexOutOfRange { triangle } => write!(f, "mesh triangle {triangle} names no vertex"),
             Self::ZeroArea { triangle } => write!(f, "mesh triangle {triangle} has no area"),
-            Self::Duplicate { first, second } => write!(f, "mesh triangles {first} and {second} are the same"),
+            Self::Duplicate { first, second } => {
+                write!(f, "mesh triangles {first} and {second} are the same")
+            }
         }
     }
 }
@@ -286,10 +288,10 @@ mod tests {
     #[test]
     fn closed_surface_has_all_neighbours() {
         let corner = |i: u32, bit: u32| if i & bit == 0 { 0.0 } else { 1.0 };
-        let vertices: Vec<Vec3> = (0..8).map(|i| Vec3::new(corner(i, 1), corner(i, 2), corner(i, 4))).collect();
+        let vertices: Vec<Vec3> =
+            (0..8).map(|i| Vec3::new(corner(i, 1), corner(i, 2), corner(i, 4))).collect();
         let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-        let indices: Vec<[u32; 3]> =
-            quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [c, a, d]]).collect();
+        let indices: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [c, a, d]]).collect();
         for (across, triangle) in connected(&vertices, &indices).iter().zip(&indices) {
             for (i, &vertex) in across.iter().enumerate() {
                 assert!(vertex < 8 && !triangle.contains(&vertex));

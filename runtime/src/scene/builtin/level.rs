@@ -103,8 +103,8 @@ impl Builder {
         }
     }
 
-    /// A flight that rises along x from the middle of the field, closed at its sides and its back, and deep enough
-    /// in the hills to have no gap below.
+    /// A flight that rises along x from the middle of the field, closed at its sides and its back, and deep
+    /// enough in the hills to have no gap below.
     fn stairs(&mut self) {
         let (left, right, base) = (-0.5 * WIDTH, 0.5 * WIDTH, -1.5);
         let mut foot = [self.vertex(0.0, left, base), self.vertex(0.0, right, base)];

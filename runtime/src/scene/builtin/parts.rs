@@ -73,7 +73,8 @@ pub(super) fn rock() -> HullDoc {
     HullDoc { points }
 }
 
-/// The shapes of a mixed scene in turn: ball, box, capsule, rock. Each fits into a ball of 0.56 m around its origin.
+/// The shapes of a mixed scene in turn: ball, box, capsule, rock. Each fits into a ball of 0.56 m around its
+/// origin.
 pub(super) fn mixed(index: usize) -> GeometryDoc {
     match index % 4 {
         0 => GeometryDoc::Sphere { radius: 0.4 },

@@ -119,7 +119,11 @@ fn bowl() -> MeshDoc {
         for side in 0..SIDES {
             let turn = 2.0 * PI * side as f32 / SIDES as f32;
             let flat = RADIUS * sin(polar);
-            vertices.push([round(flat * cos(turn)), round(flat * sin(turn)), round(RADIUS * (1.0 - cos(polar)))]);
+            vertices.push([
+                round(flat * cos(turn)),
+                round(flat * sin(turn)),
+                round(RADIUS * (1.0 - cos(polar))),
+            ]);
         }
     }
     let corner = |ring: u32, side: u32| 1 + (ring - 1) * SIDES + side % SIDES;
@@ -135,14 +139,16 @@ fn bowl() -> MeshDoc {
     MeshDoc::Inline { vertices, triangles }
 }
 
-/// One dynamic platform on the ground under `size` boxes that rest on it: every box is a neighbour of one body.
+/// One dynamic platform on the ground under `size` boxes that rest on it: every box is a neighbour of one
+/// body.
 pub fn hub(size: u32) -> Scene {
     const DISTANCE: f64 = 0.75;
     let edge = root(size, 2);
     let half = DISTANCE * 0.5 * f64::from(edge) + 0.25;
     let mut bodies = vec![ground(), body([0.0, 0.0, 0.25], cuboid([half as f32, half as f32, 0.25]))];
     for index in 0..size {
-        let [x, y] = [index % edge, index / edge].map(|c| DISTANCE * (f64::from(c) - 0.5 * f64::from(edge - 1)));
+        let [x, y] =
+            [index % edge, index / edge].map(|c| DISTANCE * (f64::from(c) - 0.5 * f64::from(edge - 1)));
         bodies.push(body([x, y, 0.75], cuboid([0.25; 3])));
     }
     Scene { bodies, ..Scene::default() }

@@ -12,8 +12,8 @@ pub fn tower(size: u32) -> Scene {
     Scene { bodies: std::iter::once(ground()).chain(boxes).collect(), ..Scene::default() }
 }
 
-/// A flat pyramid of unit boxes with `size` boxes in its lowest row, one less in each row above. Neighbours touch,
-/// as in the large pyramid of Box2D and Box3D.
+/// A flat pyramid of unit boxes with `size` boxes in its lowest row, one less in each row above. Neighbours
+/// touch, as in the large pyramid of Box2D and Box3D.
 pub fn pyramid(size: u32) -> Scene {
     let mut bodies = vec![ground()];
     for level in 0..size {
@@ -26,8 +26,8 @@ pub fn pyramid(size: u32) -> Scene {
     Scene { bodies, ..Scene::default() }
 }
 
-/// A solid pyramid: square layers of unit boxes that touch, `size` boxes along the lowest layer's edge, one less in
-/// each layer above, centered.
+/// A solid pyramid: square layers of unit boxes that touch, `size` boxes along the lowest layer's edge, one
+/// less in each layer above, centered.
 pub fn stacked_pyramid(size: u32) -> Scene {
     let mut bodies = vec![ground()];
     for level in 0..size {
@@ -43,7 +43,8 @@ pub fn stacked_pyramid(size: u32) -> Scene {
     Scene { bodies, ..Scene::default() }
 }
 
-/// A wall of `size` courses of `size` bricks of 1 x 0.5 x 0.5 m; every other course starts and ends with half a brick.
+/// A wall of `size` courses of `size` bricks of 1 x 0.5 x 0.5 m; every other course starts and ends with half
+/// a brick.
 pub fn wall(size: u32) -> Scene {
     let mut bodies = vec![ground()];
     let brick = cuboid([0.5, 0.25, 0.25]);

@@ -1,0 +1,97 @@
+//! What must hold for bytes from anywhere: the oracles of the fuzz targets, which tests share.
+
+use crate::simulator::{self, CAPACITIES};
+use crate::worlds::OwnedWorld;
+use cellstep::scene::{Limits, Scene};
+use cellstep::{Capacities, Error, Serial};
+use std::path::Path;
+
+/// Steps that an accepted world takes.
+const STEPS: u32 = 60;
+/// Sweeps per step up to which a world is stepped: bytes may ask for a quarter of a million, which is slow, not wrong.
+const SWEEPS_MAX: u64 = 512;
+/// Where the content hash lies in a snapshot.
+pub const CONTENT_HASH: core::ops::Range<usize> = 32..40;
+/// Bytes of a snapshot's header.
+pub const SNAPSHOT_HEADER: usize = 48;
+
+/// How much a fuzzed scene may ask for: little, since the fuzzer looks at many.
+pub const SCENE_LIMITS: Limits =
+    Limits { file_bytes: 1 << 16, bodies: 64, shapes: 128, contacts: 1 << 12, memory_bytes: 32 << 20 };
+
+/// Room of the fuzzed world: that of the simulated ones, whose snapshots are the seeds.
+pub const LOAD_CAPACITIES: Capacities = CAPACITIES;
+
+/// Reads bytes as a scene. True when they are one whose world steps.
+///
+/// # Panics
+/// When the scene does not come back from its own text, or its world breaks a promise in 60 steps.
+pub fn scene(bytes: &[u8]) -> bool {
+    let Ok(scene) = Scene::from_json(bytes, &SCENE_LIMITS) else { return false };
+    let text = scene.to_json();
+    let again = Scene::from_json(text.as_bytes(), &Limits::default()).expect("a scene's own text is a scene");
+    assert!(scene == again, "a scene comes back from its own text");
+    // The folder does not exist: meshes from files are refused, those in the document are not.
+    let Ok(mut built) = scene.build_within(Path::new("/nonexistent"), &SCENE_LIMITS) else { return false };
+    if !is_quick(&built.world) {
+        return false;
+    }
+    for _ in 0..STEPS {
+        built.world.step(&mut Serial);
+    }
+    check_reachable(&mut built.world);
+    true
+}
+
+/// Loads bytes into a small world. Gives the refusal, or the world after 60 steps.
+///
+/// # Panics
+/// When what was accepted is not exactly the bytes, a refusal changed the world, or the world breaks a promise in
+/// 60 steps.
+pub fn load(world: &mut OwnedWorld, bytes: &[u8]) -> Result<(), Error> {
+    let before = world.checksum();
+    if let Err(error) = world.load(bytes) {
+        assert_eq!(world.checksum(), before, "a refused snapshot changes nothing");
+        assert!(matches!(error, Error::Snapshot(_)), "{error:?}");
+        return Err(error);
+    }
+    let mut saved = simulator::snapshot(world);
+    saved[CONTENT_HASH].copy_from_slice(&bytes[CONTENT_HASH]);
+    assert!(saved == bytes, "an accepted snapshot is taken exactly");
+    if is_quick(world) {
+        for _ in 0..STEPS {
+            world.step(&mut Serial);
+        }
+        check_reachable(world);
+    }
+    Ok(())
+}
+
+/// True when a step asks for few sweeps.
+fn is_quick(world: &OwnedWorld) -> bool {
+    let settings = world.settings();
+    let sweeps = u64::from(settings.sweeps) + u64::from(settings.relax_sweeps);
+    u64::from(settings.substeps) * sweeps <= SWEEPS_MAX
+}
+
+/// What holds for every world that was stepped: nothing is non-finite, and a late joiner can take its state.
+fn check_reachable(world: &mut OwnedWorld) {
+    for body in world.bodies() {
+        let place = world.position(body).expect("the body exists").to_f64();
+        assert!(place.iter().all(|x| x.is_finite()), "{body:?} is at {place:?}");
+        assert!(world.rotation(body).expect("the body exists").is_finite(), "{body:?} is turned by no number");
+        assert!(world.linear_velocity(body).expect("the body exists").is_finite(), "{body:?}");
+        assert!(world.angular_velocity(body).expect("the body exists").is_finite(), "{body:?}");
+    }
+    let checksum = world.checksum();
+    let state = world.state().to_vec();
+    let snapshot = simulator::snapshot(world);
+    assert_eq!(world.load(&snapshot), Ok(()), "the state that a step leaves can be loaded");
+    assert_eq!(world.checksum(), checksum);
+    assert!(world.state() == state, "the state comes back from its snapshot, byte for byte");
+}
+
+/// The world that [`load`] takes for fuzzing: empty, with the simulated worlds' assets.
+pub fn load_world() -> OwnedWorld {
+    simulator::empty_world(LOAD_CAPACITIES)
+}
