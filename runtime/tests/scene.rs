@@ -245,8 +245,9 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "`hulls`, which has none",
     ),
     (
-        "{\"materials\": {\"ice\": {}}, \"bodies\": [{\"shapes\": [\n{\"geometry\": \"half_space\", \"material\": \"ise\"}]}]}",
-        "line 2, column 41",
+        "{\"materials\": {\"ice\": {}}, \"bodies\": [{\"kind\": \"static\",\n\
+         \"shapes\": [{\"geometry\": \"half_space\", \"material\": \"ise\"}]}]}",
+        "line 2, column 51",
         "bodies[0].shapes[0].material: no material is named \"ise\"",
         "one of ice",
     ),

@@ -10,6 +10,7 @@ use cellstep_tests::simulator;
 use cellstep_tests::worlds::OwnedWorld;
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::OnceLock;
 
 const STEPS: u32 = 300;
 
@@ -32,16 +33,19 @@ fn checksums(builtin: &Builtin, (size, steps): (u32, u32), executor: &mut impl E
     sums
 }
 
-fn serial(builtin: &Builtin) -> Vec<u64> {
-    checksums(builtin, (builtin.golden_size, STEPS), &mut Serial)
+/// Checksums of all scenes in golden sizes on this thread, made once.
+fn serial() -> impl Iterator<Item = (&'static Builtin, &'static [u64])> {
+    static SUMS: OnceLock<Vec<Vec<u64>>> = OnceLock::new();
+    let sum = |builtin: &Builtin| checksums(builtin, (builtin.golden_size, STEPS), &mut Serial);
+    BUILTIN.iter().zip(SUMS.get_or_init(|| BUILTIN.iter().map(sum).collect()).iter().map(Vec::as_slice))
 }
 
 #[test]
 fn golden_checksums() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/checksums.txt");
     let mut found = String::new();
-    for builtin in BUILTIN {
-        let sum = serial(builtin).pop().expect("ten sums");
+    for (builtin, sums) in serial() {
+        let sum = sums.last().expect("ten sums");
         writeln!(found, "{} {} {sum:016x}", builtin.name, builtin.golden_size).expect("strings grow");
     }
     if std::env::var_os("UPDATE").is_some_and(|value| value == "1") {
@@ -54,8 +58,7 @@ fn golden_checksums() {
 
 #[test]
 fn order_of_tasks_changes_no_bit() {
-    for builtin in BUILTIN {
-        let expected = serial(builtin);
+    for (builtin, expected) in serial() {
         for seed in 0..8 {
             let size = (builtin.golden_size, STEPS);
             let sums = checksums(builtin, size, &mut Shuffled::new(seed));
@@ -68,9 +71,9 @@ fn order_of_tasks_changes_no_bit() {
 fn number_of_workers_changes_no_bit() {
     for workers in [1, 2, 3, 8] {
         let mut pool = Pool::new(workers).expect("threads can be started");
-        for builtin in BUILTIN {
+        for (builtin, expected) in serial() {
             let sums = checksums(builtin, (builtin.golden_size, STEPS), &mut pool);
-            assert_eq!(sums, serial(builtin), "{} with {workers} workers", builtin.name);
+            assert_eq!(sums, expected, "{} with {workers} workers", builtin.name);
         }
     }
 }

@@ -260,11 +260,11 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// [`Error::Stale`], or [`Error::WrongKind`] when a body with a half-space or a mesh shall become dynamic.
     pub fn set_kind(&mut self, body: BodyHandle, kind: BodyKind) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
-        self.touch_trees();
-        let mut state = self.state_view();
-        if kind == BodyKind::Dynamic && !only_convex(&state, slot) {
+        if kind == BodyKind::Dynamic && !only_convex(&self.state_view(), slot) {
             return Err(Error::WrongKind { needs: "half-spaces and meshes are for static and kinematic bodies" });
         }
+        self.touch_trees();
+        let mut state = self.state_view();
         let row = &mut state.bodies[slot];
         row.set_kind(kind);
         row.flags &= !(STOPS_AFTER_STEP | body::QUARANTINED);

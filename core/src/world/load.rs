@@ -16,6 +16,9 @@ use bytemuck::{AnyBitPattern, Zeroable};
 /// Greatest speed that the solver leaves: the cap on each component, with room for a restitution sweep.
 const SPEED_LEFT_MAX: f32 = 1.0e9;
 
+/// Steps and versions only rise: from below this no game reaches the end of a `u64`.
+const COUNTER_MAX: u64 = 1 << 63;
+
 /// Rows of a section in bytes of any alignment.
 struct Rows<'a, T> {
     bytes: &'a [u8],
@@ -111,7 +114,8 @@ impl Parts<'_> {
     fn check(&self, limits: &Limits) -> Checked {
         let header = &self.header;
         let settings = header.settings.read().is_some();
-        require(settings && header.reserved == 0 && header.pairs_stale <= 3, "header", 0)?;
+        let counters = header.step < COUNTER_MAX && header.static_version < COUNTER_MAX;
+        require(settings && counters && header.reserved == 0 && header.pairs_stale <= 3, "header", 0)?;
         check_pool(&header.bodies, &self.body_used, &self.body_generations, limits.bodies, "body_used")?;
         check_pool(&header.shapes, &self.shape_used, &self.shape_generations, limits.shapes, "shape_used")?;
         for slot in 0..header.bodies.high {
