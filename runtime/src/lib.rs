@@ -30,8 +30,11 @@
 //!
 //! No feature changes any result.
 
+#![deny(unsafe_code)]
+
 mod epoch;
 pub mod float_mode;
+#[allow(unsafe_code)]
 mod job;
 pub mod pool;
 #[cfg(feature = "scene")]
@@ -52,10 +55,7 @@ pub use timed::Timed;
 pub fn new_world(capacities: Capacities) -> Result<World<Vec<Line>>, Error> {
     capacities.check()?;
     let needed = capacities.lines();
-    let mut memory = Vec::new();
-    if memory.try_reserve_exact(needed).is_err() {
-        return Err(Error::MemoryTooSmall { needed, given: 0 });
-    }
-    memory.resize(needed, Line::ZERO);
-    World::new(memory, capacities)
+    // Zeroed by the system, page by page as they are first used: room that no scene fills costs nothing.
+    let memory = bytemuck::allocation::try_zeroed_vec(needed);
+    World::new(memory.map_err(|()| Error::MemoryTooSmall { needed, given: 0 })?, capacities)
 }

@@ -18,9 +18,7 @@ impl Shuffled {
 impl Executor for Shuffled {
     fn for_each<T: Send>(&mut self, _: Stage, tasks: &mut [T], run: impl Fn(&mut T) + Sync) {
         let mut order: Vec<usize> = (0..tasks.len()).collect();
-        for i in (1..order.len()).rev() {
-            order.swap(i, self.random.below(i as u64 + 1) as usize);
-        }
+        self.random.shuffle(&mut order);
         for i in order {
             run(&mut tasks[i]);
         }
@@ -56,5 +54,12 @@ impl Random {
     /// From `low` to `high`.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * ((self.bits() >> 40) as f32 / 16_777_216.0)
+    }
+
+    /// Brings items into a random order (Fisher, Yates).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.below(i as u64 + 1) as usize);
+        }
     }
 }

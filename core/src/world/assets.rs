@@ -4,7 +4,7 @@ use super::World;
 use super::checksum::hash;
 use crate::arena::Line;
 use crate::collide::hull::{self, HullTables};
-use crate::collide::{Triangle, mesh, tree};
+use crate::collide::{Hull, Mesh, Triangle, mesh, tree};
 use crate::error::Error;
 use crate::handle::{HullHandle, MeshHandle};
 use crate::math::Vec3;
@@ -59,6 +59,25 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let seed = hash(bytes(run_mut(assets.vertices, row.first_vertex, row.vertices)), seed);
         header.hash = hash(bytes(run_mut(assets.triangles, row.first_triangle, row.triangles)), seed);
         Ok(MeshHandle(index))
+    }
+
+    /// The tables of a registered hull.
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn hull(&self, hull: HullHandle) -> Result<Hull<'_>, Error> {
+        let count = self.layout.assets.header.of(self.bytes())[0].hulls;
+        let rows = self.layout.assets.hulls.of(self.bytes());
+        if hull.0 < count { Ok(rows[hull.0 as usize].view()) } else { Err(Error::Stale { what: "hull" }) }
+    }
+
+    /// The tables of a registered mesh.
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn mesh(&self, mesh: MeshHandle) -> Result<Mesh<'_>, Error> {
+        let count = self.layout.assets.header.of(self.bytes())[0].meshes;
+        if mesh.0 < count { Ok(self.asset_tables().mesh(mesh.0)) } else { Err(Error::Stale { what: "mesh" }) }
     }
 
     /// Hash of all registered assets, in order: worlds that exchange snapshots have the same.
