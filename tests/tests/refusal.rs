@@ -9,6 +9,7 @@ use cellstep::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle, MassProperties,
     MeshHandle, Position, Serial, Settings, ShapeDef, ShapeHandle,
 };
+use cellstep_tests::simulator::{CAPACITIES, Simulator};
 use cellstep_tests::worlds::{self, OwnedWorld};
 use std::collections::BTreeSet;
 
@@ -331,6 +332,29 @@ fn stale_handles_and_wrong_kinds_are_refused() {
         wrong(f.world.set_kind(ground, BodyKind::Dynamic));
         assert!(f.world.state() == state);
     }
+}
+
+/// Whatever a player tries: a refused command changes nothing.
+#[test]
+fn refused_commands_change_nothing() {
+    let mut refused = 0;
+    for seed in 0..40 {
+        let (mut simulator, mut world) = Simulator::new(seed, CAPACITIES);
+        let (_, mut twin) = Simulator::new(seed, CAPACITIES);
+        for _ in 0..100 {
+            for (command, outcome) in simulator.play(&mut world) {
+                let before = outcome.is_err().then(|| twin.state().to_vec());
+                assert_eq!(command.apply(&mut twin), outcome);
+                if let Some(before) = before {
+                    refused += 1;
+                    assert!(twin.state() == before, "{command:?} gave {outcome:?} and changed the state");
+                }
+            }
+            worlds::run(&mut world, 1);
+            worlds::run(&mut twin, 1);
+        }
+    }
+    assert!(refused > 1000, "{refused} refused");
 }
 
 /// Numbers that are finite but not sensible: refused, or taken without harm.

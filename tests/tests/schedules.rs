@@ -6,7 +6,7 @@ use cellstep::scene::builtin::{BUILTIN, Builtin};
 use cellstep::{Pool, Serial};
 use cellstep_tests::executors::{Random, Shuffled};
 use cellstep_tests::schedules::{self, Given, Phases};
-use cellstep_tests::worlds::OwnedWorld;
+use cellstep_tests::worlds::{self, OwnedWorld};
 use std::path::Path;
 
 fn built(builtin: &Builtin) -> OwnedWorld {
@@ -33,7 +33,7 @@ fn the_built_in_ordering_is_valid_on_all_scenes() {
     for builtin in BUILTIN {
         let (mut world, mut plain) = (built(builtin), built(builtin));
         let (links, phases) = run(&mut world, 150, schedules::cellular);
-        (0..150).for_each(|_| drop(plain.step(&mut Serial)));
+        worlds::run(&mut plain, 150);
         assert!(world.state() == plain.state(), "{}: `step` takes another ordering", builtin.name);
         println!("{}: up to {links} links in {phases} phases", builtin.name);
         let falls = builtin.name == "free_fall";

@@ -7,7 +7,7 @@ use cellstep_tests::fuzzing::{CONTENT_HASH, SNAPSHOT_HEADER};
 use cellstep_tests::simulator::{self, CAPACITIES, Event, Simulator, snapshot};
 use cellstep_tests::worlds::{self, OwnedWorld};
 
-const SEEDS: u64 = 60;
+const SEEDS: u64 = 160;
 const WINDOW: usize = 60;
 
 /// A step of a history: the commands before it, and the state after it.

@@ -102,8 +102,13 @@ impl Shift {
     #[inline(always)]
     fn of(row: &LinkRow) -> Self {
         let slides = row.slide.dot(row.slide).greater(row.slide_min);
-        let mut shift =
-            Self { normal: LaneVec::ZERO, first: LaneVec::ZERO, second: LaneVec::ZERO, slides, any: slides.any() };
+        let mut shift = Self {
+            normal: LaneVec::ZERO,
+            first: LaneVec::ZERO,
+            second: LaneVec::ZERO,
+            slides,
+            any: slides.any(),
+        };
         if shift.any {
             let turn = |direction: LaneVec| root_times(&row.root_b, direction.cross(row.slide));
             shift.normal = turn(row.normal);
@@ -247,7 +252,8 @@ fn solve_friction(u: &mut Velocities, row: &mut LinkRow, points: &[PointRow], sh
     let first_b = shift.apply(row.first_b, shift.first);
     let second_b = shift.apply(row.second_b, shift.second);
 
-    let x = row.first_impulse - row.friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
+    let x =
+        row.first_impulse - row.friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
     let y = row.second_impulse - row.friction_mass * (u.rate(second, row.second_a, second_b) + row.surface.y);
     let size = (x * x + y * y).sqrt();
     let outside = size.greater(limit);
@@ -266,6 +272,131 @@ fn solve_friction(u: &mut Velocities, row: &mut LinkRow, points: &[PointRow], sh
     row.twist_impulse = z;
 }
 
+/// The relative motion along the normal, kept as one number while the points of a row are solved.
+struct Line<'a> {
+    u: &'a mut Velocities,
+    /// n . (vb - va), m/s.
+    speed: Lane,
+    /// What an impulse of 1 changes of it, 1/kg.
+    yields: Lane,
+    /// Impulse of all points, not yet given to the linear velocities.
+    sum: Lane,
+}
+
+impl<'a> Line<'a> {
+    #[inline(always)]
+    fn new(u: &'a mut Velocities, row: &LinkRow) -> Self {
+        let n = row.normal;
+        let speed = n.dot(u.vb - u.va);
+        let yields = n.dot(n.each_times(u.ma + u.mb));
+        Self { u, speed, yields, sum: Lane::ZERO }
+    }
+
+    #[inline(always)]
+    fn rate(&self, ja: LaneVec, jb: LaneVec) -> Lane {
+        self.speed + (jb.dot(self.u.wb) - ja.dot(self.u.wa))
+    }
+
+    /// Gives `count` times the impulse `x` to points with the sum `ja`, `jb` of their jacobians.
+    #[inline(always)]
+    fn press(&mut self, (ja, jb): (LaneVec, LaneVec), (count, x): (Lane, Lane)) {
+        let all = count * x;
+        self.sum = self.sum + all;
+        self.speed = self.speed + self.yields * all;
+        self.u.apply_torque(ja, jb, x);
+    }
+
+    #[inline(always)]
+    fn finish(self, row: &LinkRow) {
+        let p = row.normal.times(self.sum);
+        self.u.va = self.u.va - p.each_times(self.u.ma);
+        self.u.vb = self.u.vb + p.each_times(self.u.mb);
+    }
+}
+
+/// What a sweep wants of a point that presses: `rate + bias + soft . impulse = 0`.
+struct Demand {
+    bias: Lane,
+    soft: Lane,
+}
+
+/// Apart, a point may close the gap in this substep, but not more. Overlapping, a spring pushes.
+#[inline(always)]
+fn biased(sweep: &Sweep, row: &LinkRow, point: &PointRow) -> (Mask, Lane) {
+    let s = point.separation;
+    let apart = s.greater(Lane::ZERO);
+    let push = (s * row.bias_rate).greatest(Lane::splat(-sweep.push_speed));
+    (apart, apart.select(s * Lane::splat(1.0 / sweep.substep), push))
+}
+
+/// The same without a push.
+#[inline(always)]
+fn relaxed(sweep: &Sweep, point: &PointRow) -> Lane {
+    point.separation.greatest(Lane::ZERO) * Lane::splat(1.0 / sweep.substep)
+}
+
+/// One exact step along "the same impulse more at every point"; returns that impulse. The points have yet to take
+/// it.
+///
+/// Points taken one after the other share a change of the load unequally: the first takes most of it, the body
+/// tilts, and a tower sways while it settles (24 mm for ten boxes; 1 micrometre with this step). The step is
+/// the minimum of the row's energy in that direction, so it never slows the sweeps down; it stops where the first
+/// point would pull. Where points are apart, that is at once.
+#[inline(always)]
+fn press_together(
+    line: &mut Line<'_>,
+    row: &LinkRow,
+    (points, shift): (&[PointRow], &Shift),
+    demand: impl Fn(&PointRow) -> Demand,
+) -> Lane {
+    let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
+    let (mut ja, mut jb) = (LaneVec::ZERO, LaneVec::ZERO);
+    let (mut wanted, mut soft) = (zero, zero);
+    let mut least = Lane::splat(f32::MAX);
+    // In a lane without this point all of it is 0.
+    for point in points {
+        let demand = demand(point);
+        ja = ja + point.normal_a;
+        jb = jb + shift.apply(point.normal_b, shift.normal);
+        soft = soft + demand.soft;
+        wanted = wanted + (demand.bias + point.surface + demand.soft * point.impulse);
+        least = point.mass.greater(zero).select(point.impulse.least(least), least);
+    }
+    let count = row.count;
+    let rate = count * line.speed + (jb.dot(line.u.wb) - ja.dot(line.u.wa));
+    let inertia = count * count * line.yields + ja.dot(ja) + jb.dot(jb) + soft;
+    let several = count.greater(Lane::splat(1.5)).and(inertia.greater(zero));
+    let x = -(rate + wanted) / several.select(inertia, one);
+    let x = several.select(x.greatest(-least).finite_or(zero), zero);
+    line.press((ja, jb), (count, x));
+    x
+}
+
+/// All points together, then one after the other. `change` says what a point's rate takes off its impulse.
+#[inline(always)]
+fn solve_points(
+    mut line: Line<'_>,
+    row: &LinkRow,
+    (points, shift): (&mut [PointRow], &Shift),
+    (demand, change): (impl Fn(&PointRow) -> Demand, impl Fn(&PointRow, Lane) -> Lane),
+) {
+    let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
+    if points.len() > 1 {
+        let x = press_together(&mut line, row, (points, shift), demand);
+        for point in points.iter_mut() {
+            point.impulse = point.mass.greater(zero).select(point.impulse + x, point.impulse);
+        }
+    }
+    for point in points {
+        let jb = shift.apply(point.normal_b, shift.normal);
+        let rate = line.rate(point.normal_a, jb) + point.surface;
+        let before = point.impulse;
+        point.impulse = (before - change(point, rate)).greatest(zero).finite_or(before).flushed();
+        line.press((point.normal_a, jb), (one, point.impulse - before));
+    }
+    line.finish(row);
+}
+
 #[inline(always)]
 fn solve_normals(
     u: &mut Velocities,
@@ -273,66 +404,59 @@ fn solve_normals(
     points: &mut [PointRow],
     (sweep, shift): (&Sweep, &Shift),
 ) {
-    let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
-    let per_substep = Lane::splat(1.0 / sweep.substep);
-    let push_limit = Lane::splat(-sweep.push_speed);
-    let biased = sweep.pass == Pass::Biased;
-    for point in points {
-        let jb = shift.apply(point.normal_b, shift.normal);
-        let rate = u.rate(row.normal, point.normal_a, jb) + point.surface;
-        let s = point.separation;
-        let apart = s.greater(zero);
-        // Apart, the point may close the gap in this substep, but not more. Overlapping, a spring pushes.
-        let (bias, mass_scale, impulse_scale) = if biased {
-            let push = (s * row.bias_rate).greatest(push_limit);
-            (
-                apart.select(s * per_substep, push),
-                apart.select(one, row.mass_scale),
-                apart.select(zero, row.impulse_scale),
-            )
-        } else {
-            (apart.select(s * per_substep, zero), one, zero)
-        };
-        let change = point.mass * mass_scale * (rate + bias) + impulse_scale * point.impulse;
-        let x = (point.impulse - change).greatest(zero).finite_or(point.impulse).flushed();
-        if row.bounces != 0 && biased {
-            record_bounce(row, point, rate, x, sweep);
-        }
-        u.apply(row.normal, (point.normal_a, jb), x - point.impulse);
-        point.impulse = x;
+    let line = Line::new(u, row);
+    if sweep.pass != Pass::Biased {
+        let demand = |point: &PointRow| Demand { bias: relaxed(sweep, point), soft: Lane::ZERO };
+        let change = |point: &PointRow, rate: Lane| point.mass * (rate + relaxed(sweep, point));
+        return solve_points(line, row, (points, shift), (demand, change));
     }
+    if row.bounces != 0 {
+        record_bounces(&line, row, points, (sweep, shift));
+    }
+    let demand = |point: &PointRow| {
+        let (apart, bias) = biased(sweep, row, point);
+        Demand { bias, soft: apart.select(Lane::ZERO, point.soft) }
+    };
+    let change = |point: &PointRow, rate: Lane| {
+        let (apart, bias) = biased(sweep, row, point);
+        let firm = point.mass * (rate + bias);
+        apart.select(firm, firm * row.mass_scale + row.impulse_scale * point.impulse)
+    };
+    solve_points(line, row, (points, shift), (demand, change));
 }
 
-/// Fixes the speed at which a point will leave, when it presses for the first time in this step.
+/// Fixes the speed at which a point will leave, when it presses for the first time in this step. All points of a
+/// row see the velocity before the row's impulses, so that a box that falls flat does not start to spin.
 ///
 /// Symplectic Euler conserves `H = v^2/2 - a s + a h v/2` in free flight along the normal (acceleration a, height
 /// s), so the speed after the bounce is the one with `e^2 H`: apexes then keep their height whatever the substep.
-fn record_bounce(row: &LinkRow, point: &mut PointRow, rate: Lane, impulse: Lane, sweep: &Sweep) {
+fn record_bounces(line: &Line<'_>, row: &LinkRow, points: &mut [PointRow], (sweep, shift): (&Sweep, &Shift)) {
     let (zero, half) = (Lane::ZERO, Lane::splat(0.5));
-    let fast = rate.less(Lane::splat(-sweep.restitution_threshold));
-    let pressed = impulse.greater(zero).and(row.restitution.greater(zero));
-    let unset = point.bounce.less(Lane::splat(f32::MIN_POSITIVE));
-    // push = a h; the velocity before this substep's push is rate - push.
-    let before = rate - row.push;
     let per_substep = Lane::splat(1.0 / sweep.substep);
-    let energy = half * before * before - row.push * per_substep * point.separation.greatest(zero)
-        + half * row.push * before;
     let e2 = row.restitution * row.restitution;
     let quarter = Lane::splat(0.25) * row.push * row.push;
-    let speed = (quarter + (e2 + e2) * energy.greatest(zero)).sqrt() - half * row.push;
-    let record = fast.and(pressed).and(unset);
-    point.bounce = record.select(speed.finite_or(zero), point.bounce);
+    for point in points {
+        let rate = line.rate(point.normal_a, shift.apply(point.normal_b, shift.normal)) + point.surface;
+        let fast = rate.less(Lane::splat(-sweep.restitution_threshold));
+        let closes = (rate + biased(sweep, row, point).1).less(zero);
+        let pressed = closes.and(point.mass.greater(zero)).and(row.restitution.greater(zero));
+        let unset = point.bounce.less(Lane::splat(f32::MIN_POSITIVE));
+        // push = a h; the velocity before this substep's push is rate - push.
+        let before = rate - row.push;
+        let energy = half * before * before - row.push * per_substep * point.separation.greatest(zero)
+            + half * row.push * before;
+        let speed = (quarter + (e2 + e2) * energy.greatest(zero)).sqrt() - half * row.push;
+        let record = fast.and(pressed).and(unset);
+        point.bounce = record.select(speed.finite_or(zero), point.bounce);
+    }
 }
 
 fn bounce(u: &mut Velocities, row: &LinkRow, points: &mut [PointRow], shift: &Shift) {
     let zero = Lane::ZERO;
-    for point in points {
-        let jb = shift.apply(point.normal_b, shift.normal);
-        let rate = u.rate(row.normal, point.normal_a, jb) + point.surface;
-        let wanted = point.impulse - point.mass * (rate - point.bounce);
-        let x = wanted.greatest(zero).finite_or(point.impulse).flushed();
-        let x = point.bounce.greater(zero).select(x, point.impulse);
-        u.apply(row.normal, (point.normal_a, jb), x - point.impulse);
-        point.impulse = x;
-    }
+    // A point that does not bounce may go on as it does.
+    let leaves = |point: &PointRow| point.bounce.greater(zero);
+    let demand = |point: &PointRow| Demand { bias: -point.bounce, soft: zero };
+    let change =
+        |point: &PointRow, rate: Lane| leaves(point).select(point.mass * (rate - point.bounce), zero);
+    solve_points(Line::new(u, row), row, (points, shift), (demand, change));
 }

@@ -50,6 +50,8 @@ pub(crate) struct LinkRow {
     /// Jacobians of the twist about the normal: W n.
     pub twist_a: LaneVec,
     pub twist_b: LaneVec,
+    /// Number of points.
+    pub count: Lane,
     /// Step of both tangents: 1 / greatest eigenvalue of their 2x2 block.
     pub friction_mass: Lane,
     pub twist_mass: Lane,
@@ -82,6 +84,8 @@ pub(crate) struct PointRow {
     pub normal_b: LaneVec,
     /// 1 / (J M^-1 Jt), kg; 0 in a lane without this point.
     pub mass: Lane,
+    /// What a soft contact gives: the rate that it allows for each N s of impulse, 1/kg.
+    pub soft: Lane,
     /// Distance along the normal now, metres.
     pub separation: Lane,
     /// Normal impulse of the substep, N s.

@@ -1,10 +1,10 @@
 //! Assembly (the talk's third stage, SEED S5 to S7): rows written straight into solver order.
 
 use crate::body::{BodyRow, Motion};
+use crate::cells::IMMOVABLE;
 use crate::config::{CONTACT_COUPLING, ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
-use crate::cells::IMMOVABLE;
 use crate::lanes::LANES;
 use crate::math::{PI, Vec3, any_perpendicular, length, max, normalize_or, sqrt};
 use crate::pipeline::integration::{locked_or_free_root, root_times};
@@ -44,6 +44,8 @@ struct Softness {
     bias_rate: f32,
     mass_scale: f32,
     impulse_scale: f32,
+    /// `impulse_scale / mass_scale`: what the spring gives, as a share of what the bodies give.
+    give: f32,
 }
 
 impl Softness {
@@ -53,17 +55,14 @@ impl Softness {
     fn new(settings: &Settings, factor: f32) -> Self {
         let h = settings.substep();
         if settings.contact_model == ContactModel::Rigid {
-            return Self { bias_rate: RIGID_PUSH / h, mass_scale: 1.0, impulse_scale: 0.0 };
+            return Self { bias_rate: RIGID_PUSH / h, mass_scale: 1.0, impulse_scale: 0.0, give: 0.0 };
         }
-        let frequency = if settings.contact_frequency > 0.0 {
-            settings.contact_frequency
-        } else {
-            CONTACT_COUPLING / h
-        };
+        let frequency =
+            if settings.contact_frequency > 0.0 { settings.contact_frequency } else { CONTACT_COUPLING / h };
         let w = 2.0 * PI * frequency * factor;
         let a = 2.0 * settings.contact_damping_ratio + h * w;
         let c = h * w * a;
-        Self { bias_rate: w / a, mass_scale: c / (1.0 + c), impulse_scale: 1.0 / (1.0 + c) }
+        Self { bias_rate: w / a, mass_scale: c / (1.0 + c), impulse_scale: 1.0 / (1.0 + c), give: 1.0 / c }
     }
 }
 
@@ -101,8 +100,10 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
-    let softness =
-        Softnesses { dynamic: Softness::new(settings, 1.0), immovable: Softness::new(settings, STATIC_STIFFNESS) };
+    let softness = Softnesses {
+        dynamic: Softness::new(settings, 1.0),
+        immovable: Softness::new(settings, STATIC_STIFFNESS),
+    };
     let scene = Scene {
         bodies: state.bodies,
         motions: state.motions,
@@ -274,7 +275,9 @@ impl<'a> LinkSides<'a> {
     /// `d . M^-1 e` of the linear parts, locked axes left out.
     fn linear(&self, d: Vec3, e: Vec3) -> f32 {
         let one = |body: &Active| {
-            let free = |axis: u32| if body.locks >> axis & 1 == 1 { 0.0 } else { d[axis as usize] * e[axis as usize] };
+            let free = |axis: u32| {
+                if body.locks >> axis & 1 == 1 { 0.0 } else { d[axis as usize] * e[axis as usize] }
+            };
             body.inverse_mass * (free(0) + free(1) + free(2))
         };
         one(self.a) + self.b.map_or(0.0, one)
@@ -295,11 +298,13 @@ impl<'a> LinkSides<'a> {
         row.mass_scale.set(lane, softness.mass_scale);
         row.impulse_scale.set(lane, softness.impulse_scale);
         row.restitution.set(lane, touch.restitution);
+        row.count.set(lane, touch.row.points as f32);
         row.bounces |= u32::from(touch.restitution > 0.0);
         row.locked |= u32::from(self.a.locks != 0 || self.b.is_some_and(|b| b.locks != 0));
         row.push.set(lane, n.dot(self.b.map_or(Vec3::ZERO, |b| b.push) - self.a.push));
         for (i, point) in points[..touch.row.points as usize].iter_mut().enumerate() {
             self.write_point(scene, point, (i, lane));
+            point.soft.set(lane, softness.give * inverse(point.mass.get(lane)));
         }
         self.write_friction(scene, row, lane);
     }

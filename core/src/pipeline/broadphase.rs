@@ -328,6 +328,10 @@ struct Best<'a> {
 
 impl Best<'_> {
     fn add(&mut self, key: u64, contacts: &[ContactRow]) {
+        if self.room == 0 {
+            self.dropped += 1;
+            return;
+        }
         if self.count == self.keys.len() {
             self.cut(contacts);
         }
