@@ -18,7 +18,7 @@ impl Executor for Rayon {
         // One task is not worth the way to another thread.
         match tasks {
             [task] => run(task),
-            tasks => tasks.par_iter_mut().for_each(run),
+            tasks => tasks.par_iter_mut().for_each(&run),
         }
     }
 }
