@@ -64,7 +64,9 @@ impl<T: Pod> Span<T> {
     /// The section in its region's bytes, to write.
     #[inline(always)]
     pub fn of_mut<'a>(&self, region: &'a mut [u8]) -> &'a mut [T] {
-        bytemuck::cast_slice_mut(&mut region[self.offset..self.offset + self.count * core::mem::size_of::<T>()])
+        bytemuck::cast_slice_mut(
+            &mut region[self.offset..self.offset + self.count * core::mem::size_of::<T>()],
+        )
     }
 
     /// Cuts the section off the front of `rest`, which starts at the section's offset.

@@ -14,7 +14,7 @@ pub mod mesh;
 pub mod polytope;
 pub mod tree;
 pub mod triangle;
-mod vector64;
+pub(crate) mod vector64;
 
 use crate::math::{Pose, Vec3};
 use bytemuck::{Pod, Zeroable};

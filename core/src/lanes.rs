@@ -86,6 +86,7 @@ impl Lane {
 
     /// `self` where it is finite, else `other`: keeps a non-finite impulse from spreading.
     #[inline(always)]
+    #[expect(clippy::eq_op, reason = "x - x tells finite numbers from the rest")]
     pub fn finite_or(self, other: Self) -> Self {
         // x - x is 0 for finite x and NaN for the rest, and NaN compares false.
         let rest = self - self;

@@ -105,8 +105,7 @@ fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
     }
     for i in 0..header.contacts as usize {
         let touch = &scratch.touches[scratch.contact_touch[i] as usize];
-        let [a, b] = touch.bodies.map(|slot| scratch.active_of[slot as usize]);
-        let (a, b) = if a == IMMOVABLE { (b, a) } else { (a, b) };
+        let [a, b] = touch.sides().map(|slot| scratch.active_of[slot as usize]);
         // Links with more points first: neighbours in a lane should have as many.
         scratch.links[i] = Link { a, b, kind: 4 - touch.row.points };
     }
@@ -147,7 +146,11 @@ fn order<S: Scheduler>(
     layout::lay_out(&schedule, &mut tables, |contact| 4 - links[contact as usize].kind)
 }
 
-fn report(state: &State<'_>, plan: Option<&Plan>, (bodies, counts, barriers): (u32, &Counts, u32)) -> StepReport {
+fn report(
+    state: &State<'_>,
+    plan: Option<&Plan>,
+    (bodies, counts, barriers): (u32, &Counts, u32),
+) -> StepReport {
     let header = &state.header[0];
     StepReport {
         step: header.step,

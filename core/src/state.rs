@@ -248,6 +248,21 @@ pub(crate) struct Touch {
     pub restitution: f32,
     /// 1 when the contact was there in the step before.
     pub kept: u32,
+    /// 1 when the solver's body A is that of shape B; see [`Touch::sides`].
+    pub exchanged: u32,
+}
+
+impl Touch {
+    /// Slots of the bodies in the solver's order: A is dynamic, and the rounder one of two dynamic bodies.
+    pub fn sides(&self) -> [u32; 2] {
+        let [a, b] = self.bodies;
+        if self.exchanged == 0 { [a, b] } else { [b, a] }
+    }
+
+    /// -1 when the sides are exchanged: the sign of normal and friction in the solver's order.
+    pub fn sign(&self) -> f32 {
+        if self.exchanged == 0 { 1.0 } else { -1.0 }
+    }
 }
 
 /// A body that takes part in the solve.

@@ -16,7 +16,7 @@ use crate::executor::Executor;
 use crate::pipeline::{self, Regions};
 use crate::report::StepReport;
 use crate::state::{
-    Assets, AssetTables, AssetsLayout, Cache, CacheLayout, Header, Scratch, ScratchLayout, State, StateLayout,
+    AssetTables, Assets, AssetsLayout, Cache, CacheLayout, Header, Scratch, ScratchLayout, State, StateLayout,
 };
 use bytemuck::Zeroable;
 
@@ -180,7 +180,11 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     ///
     /// # Panics
     /// When the scheduler breaks the contract of [`Schedule`](crate::cells::Schedule).
-    pub fn step_scheduled(&mut self, executor: &mut impl Executor, scheduler: &mut impl Scheduler) -> StepReport {
+    pub fn step_scheduled(
+        &mut self,
+        executor: &mut impl Executor,
+        scheduler: &mut impl Scheduler,
+    ) -> StepReport {
         let settings = self.settings();
         if cfg!(debug_assertions) {
             // Nothing in the scratch may survive from the step before.

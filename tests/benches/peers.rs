@@ -22,9 +22,8 @@ const RUNS: usize = 4;
 /// Centers of the boxes of a pyramid, metres.
 fn pyramid() -> impl Iterator<Item = Vec3> {
     (0..BASE).flat_map(|row| {
-        (0..BASE - row).map(move |i| {
-            Vec3::new(i as f32 + 0.5 * row as f32 - 0.5 * BASE as f32, 0.0, 0.5 + row as f32)
-        })
+        (0..BASE - row)
+            .map(move |i| Vec3::new(i as f32 + 0.5 * row as f32 - 0.5 * BASE as f32, 0.0, 0.5 + row as f32))
     })
 }
 
@@ -64,19 +63,36 @@ fn main() {
     }
     assert_eq!(own.checksum(), own_pool.checksum(), "workers change no bit");
     let one = median(&mut serial_times);
-    println!("pyramid of {} boxes, {} steps, medians of {RUNS} runs", own.body_count() - 1, RUNS as u32 * RUN);
+    println!(
+        "pyramid of {} boxes, {} steps, medians of {RUNS} runs",
+        own.body_count() - 1,
+        RUNS as u32 * RUN
+    );
     println!("{report:?}");
-    println!("state bytes / body          {:8.1}", own.snapshot_bytes() as f64 / f64::from(own.body_count() - 1));
-    println!("cellstep, 1 worker          {one:8.3} ms/step, penetration {:.2} mm", own.penetration_max() * 1e3);
+    println!(
+        "state bytes / body          {:8.1}",
+        own.snapshot_bytes() as f64 / f64::from(own.body_count() - 1)
+    );
+    println!(
+        "cellstep, 1 worker          {one:8.3} ms/step, penetration {:.2} mm",
+        own.penetration_max() * 1e3
+    );
     println!("cellstep, 2 workers         {:8.3} ms/step", median(&mut pool_times));
     let times = serial.take();
     for stage in cellstep::Stage::ALL {
-        println!("  {:12} {:8.3} ms", stage.name(), times.stage(stage).total.as_secs_f64() * 1e3 / f64::from(RUNS as u32 * RUN));
+        println!(
+            "  {:12} {:8.3} ms",
+            stage.name(),
+            times.stage(stage).total.as_secs_f64() * 1e3 / f64::from(RUNS as u32 * RUN)
+        );
     }
     #[cfg(feature = "peers")]
     {
         let other = median(&mut rapier_times);
-        println!("rapier3d 0.36, 1 thread     {other:8.3} ms/step, penetration {:.2} mm", rapier.penetration_max() * 1e3);
+        println!(
+            "rapier3d 0.36, 1 thread     {other:8.3} ms/step, penetration {:.2} mm",
+            rapier.penetration_max() * 1e3
+        );
         println!("cellstep / rapier3d         {:8.3}", one / other);
     }
 }
@@ -107,7 +123,8 @@ mod rapier {
             let floor = ColliderBuilder::cuboid(200.0, 200.0, 1.0).friction(0.6);
             world.insert(RigidBodyBuilder::fixed().translation(Vector::new(0.0, 0.0, -1.0)), floor);
             for p in super::pyramid() {
-                let body = RigidBodyBuilder::dynamic().translation(Vector::new(p.x, p.y, p.z)).can_sleep(false);
+                let body =
+                    RigidBodyBuilder::dynamic().translation(Vector::new(p.x, p.y, p.z)).can_sleep(false);
                 world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5).density(1000.0).friction(0.6));
             }
             Self { world }
@@ -120,7 +137,8 @@ mod rapier {
         /// Deepest overlap of the last step's contacts, metres.
         pub fn penetration_max(&self) -> f32 {
             let pairs = self.world.narrow_phase.contact_pairs();
-            let deepest = |pair: &ContactPair| pair.find_deepest_contact().map_or(0.0, |(_, point)| -point.dist);
+            let deepest =
+                |pair: &ContactPair| pair.find_deepest_contact().map_or(0.0, |(_, point)| -point.dist);
             pairs.map(deepest).fold(0.0, f32::max)
         }
     }

@@ -9,8 +9,8 @@ use std::path::Path;
 
 /// Tasks on rayon's threads.
 ///
-/// The whole contract is: call `run` once for each task, and return when all are done. A task owns what it writes, so
-/// there is nothing to synchronise.
+/// The whole contract is: call `run` once for each task, and return when all are done. A task owns what it writes,
+/// so there is nothing to synchronise.
 struct Rayon;
 
 impl Executor for Rayon {

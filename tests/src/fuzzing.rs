@@ -8,7 +8,8 @@ use std::path::Path;
 
 /// Steps that an accepted world takes.
 const STEPS: u32 = 60;
-/// Sweeps per step up to which a world is stepped: bytes may ask for a quarter of a million, which is slow, not wrong.
+/// Sweeps per step up to which a world is stepped: bytes may ask for a quarter of a million, which is slow, not
+/// wrong.
 const SWEEPS_MAX: u64 = 512;
 /// Where the content hash lies in a snapshot.
 pub const CONTENT_HASH: core::ops::Range<usize> = 32..40;
@@ -79,7 +80,10 @@ fn check_reachable(world: &mut OwnedWorld) {
     for body in world.bodies() {
         let place = world.position(body).expect("the body exists").to_f64();
         assert!(place.iter().all(|x| x.is_finite()), "{body:?} is at {place:?}");
-        assert!(world.rotation(body).expect("the body exists").is_finite(), "{body:?} is turned by no number");
+        assert!(
+            world.rotation(body).expect("the body exists").is_finite(),
+            "{body:?} is turned by no number"
+        );
         assert!(world.linear_velocity(body).expect("the body exists").is_finite(), "{body:?}");
         assert!(world.angular_velocity(body).expect("the body exists").is_finite(), "{body:?}");
     }

@@ -107,7 +107,8 @@ pub fn random(random: &mut Random, phases: usize, (bodies, links): (u32, &[Link]
     random.shuffle(&mut rest);
     let mut chosen = Phases::new();
     for phase in 0..phases {
-        let take = if phase + 1 == phases { rest.len() } else { random.below(rest.len() as u64 / 2 + 1) as usize };
+        let take =
+            if phase + 1 == phases { rest.len() } else { random.below(rest.len() as u64 / 2 + 1) as usize };
         let own = rest.split_off(rest.len() - take);
         if !own.is_empty() {
             let mut blocks = components(bodies, links, &own);
@@ -126,7 +127,8 @@ pub fn blocks_shuffled(random: &mut Random, mut phases: Phases) -> Phases {
 
 /// The same phases with every block cut into its connected components: the links of each keep their order.
 pub fn blocks_split(phases: Phases, (bodies, links): (u32, &[Link])) -> Phases {
-    let split = |blocks: Vec<Vec<u32>>| blocks.iter().flat_map(|block| components(bodies, links, block)).collect();
+    let split =
+        |blocks: Vec<Vec<u32>>| blocks.iter().flat_map(|block| components(bodies, links, block)).collect();
     phases.into_iter().map(split).collect()
 }
 

@@ -40,7 +40,7 @@ fn snapshots_are_accepted_exactly() {
 }
 
 /// Floats at the borders of what is valid.
-const FLOATS: [f32; 14] = [
+const FLOATS: [f32; 15] = [
     f32::NAN,
     f32::INFINITY,
     f32::NEG_INFINITY,
@@ -53,6 +53,7 @@ const FLOATS: [f32; 14] = [
     1.0,
     -1.0,
     1.0e9,
+    1.0e30,
     1.0e-12,
     33.0,
 ];
@@ -157,7 +158,9 @@ fn mutants_are_refused_or_step() {
     // The mutants are of use only if many get as far as the rows, and many past them.
     assert!(accepted > MUTANTS / 5, "{accepted} accepted");
     assert!(by_rows as usize > MUTANTS / 5, "{by_rows} refused for a row");
-    for section in ["header", "bodies", "body_used", "shapes", "shape_used", "pairs", "contacts", "WrongLength"] {
+    for section in
+        ["header", "bodies", "body_used", "shapes", "shape_used", "pairs", "contacts", "WrongLength"]
+    {
         assert!(refusals.contains_key(section), "nothing was refused for {section}: {refusals:?}");
     }
 }

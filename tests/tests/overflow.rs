@@ -3,8 +3,8 @@
 use cellstep::math::Vec3;
 use cellstep::scene::builtin::Builtin;
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, Capacities, Error, Executor, Geometry, Line, Pool, Serial, ShapeDef, StepReport,
-    World,
+    BodyDef, BodyHandle, BodyKind, Capacities, Error, Executor, Geometry, Line, Pool, Serial, ShapeDef,
+    StepReport, World,
 };
 use cellstep_tests::executors::Shuffled;
 use cellstep_tests::simulator::{self, CAPACITIES};
@@ -275,7 +275,10 @@ fn full_assets_refuse() {
 fn capacities_and_memory_are_checked() {
     let out_of_range = |capacities: Capacities, expected: &str| {
         let outcome = World::new(Vec::<Line>::new(), capacities).err();
-        assert!(matches!(outcome, Some(Error::CapacityOutOfRange { name }) if name == expected), "{outcome:?}");
+        assert!(
+            matches!(outcome, Some(Error::CapacityOutOfRange { name }) if name == expected),
+            "{outcome:?}"
+        );
         assert_eq!(cellstep::new_world(capacities).err(), outcome);
     };
     let none = Capacities::for_bodies(0);

@@ -31,14 +31,20 @@ fn folder() -> Option<PathBuf> {
 fn level(folder: &std::path::Path, file: &str) -> OwnedWorld {
     let text = format!(
         r#"{{
-            "meshes": {{"level": {{"obj": {{"path": "{file}", "rotation": {{"axis_angle": {{"axis": [1, 0, 0], "degrees": 90}}}}}}}}}},
-            "hulls": {{"rock": {{"points": [[-0.2, -0.15, -0.1], [0.2, -0.2, -0.1], [0.0, 0.25, -0.15], [0.05, 0.0, 0.22],
-                [-0.15, 0.1, 0.1], [0.18, 0.12, 0.05]]}}}},
+            "meshes": {{"level": {{"obj": {{
+                "path": "{file}",
+                "rotation": {{"axis_angle": {{"axis": [1, 0, 0], "degrees": 90}}}}
+            }}}}}},
+            "hulls": {{"rock": {{"points": [
+                [-0.2, -0.15, -0.1], [0.2, -0.2, -0.1], [0.0, 0.25, -0.15],
+                [0.05, 0.0, 0.22], [-0.15, 0.1, 0.1], [0.18, 0.12, 0.05]
+            ]}}}},
             "capacities": {{"bodies": 501, "shapes": 501, "pairs": 40000, "contacts": 20000}},
             "bodies": [{{"kind": "static", "shapes": [{{"geometry": {{"mesh": "level"}}}}]}}]
         }}"#
     );
-    let scene = Scene::from_json(text.as_bytes(), &cellstep::scene::Limits::default()).unwrap_or_else(|e| panic!("{e}"));
+    let scene = Scene::from_json(text.as_bytes(), &cellstep::scene::Limits::default())
+        .unwrap_or_else(|e| panic!("{e}"));
     scene.build(folder).unwrap_or_else(|e| panic!("{e}")).world
 }
 
@@ -48,13 +54,15 @@ fn rain(world: &mut OwnedWorld) -> Vec<BodyHandle> {
     let mut random = Random::new(7);
     (0..BODIES)
         .map(|i| {
-            let between = |random: &mut Random, axis: usize| random.between(bounds.min[axis], bounds.max[axis]);
+            let between =
+                |random: &mut Random, axis: usize| random.between(bounds.min[axis], bounds.max[axis]);
             let place = Vec3::new(
                 between(&mut random, 0),
                 between(&mut random, 1),
                 bounds.max.z + 0.5 + 0.02 * i as f32,
             );
-            let turn = Vec3::new(random.between(-3.0, 3.0), random.between(-3.0, 3.0), random.between(-3.0, 3.0));
+            let turn =
+                Vec3::new(random.between(-3.0, 3.0), random.between(-3.0, 3.0), random.between(-3.0, 3.0));
             let def = BodyDef {
                 kind: BodyKind::Dynamic,
                 position: Position::at(place),
@@ -136,7 +144,11 @@ fn fall(folder: &std::path::Path, file: &str, executor: &mut impl Executor) -> u
         }
     }
     let inside = left.iter().filter(|&&left| !left).count();
-    println!("{file}: {} triangles, {inside} of {BODIES} bodies inside at the end, {:016x}", triangles.len(), world.checksum());
+    println!(
+        "{file}: {} triangles, {inside} of {BODIES} bodies inside at the end, {:016x}",
+        triangles.len(),
+        world.checksum()
+    );
     assert!(inside > 50, "{file}: the mesh holds bodies");
     assert!(crossings.is_empty(), "{file}: (step, body) of centers that crossed a triangle: {crossings:?}");
     world.checksum()

@@ -1,13 +1,13 @@
-//! Every number that the public API takes is refused with a typed error when it is not finite, and the world stays as
-//! it was, byte for byte.
+//! Every number that the public API takes is refused with a typed error when it is not finite, and the world stays
+//! as it was, byte for byte.
 //!
-//! Each case below is a call with good numbers, every one of them passed through a [`Poison`]. The harness makes the
-//! call once as it is (it must succeed), and then once for each number and each of NaN, +inf and -inf.
+//! Each case below is a call with good numbers, every one of them passed through a [`Poison`]. The harness makes
+//! the call once as it is (it must succeed), and then once for each number and each of NaN, +inf and -inf.
 
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle, MassProperties,
-    MeshHandle, Position, Serial, Settings, ShapeDef, ShapeHandle,
+    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle,
+    MassProperties, MeshHandle, Position, Serial, Settings, ShapeDef, ShapeHandle,
 };
 use cellstep_tests::simulator::{CAPACITIES, Simulator};
 use cellstep_tests::worlds::{self, OwnedWorld};
@@ -167,7 +167,9 @@ const CASES: &[Case] = &[
         let place = Position::from_f64(p.vector(1.0, 100.0, 3.0).to_array().map(f64::from));
         f.world.create_body(&BodyDef { position: place, ..BodyDef::default() }).map(drop)
     }),
-    ("create_body", |f, p| f.world.create_body(&BodyDef::new(BodyKind::Static, p.vector(1.0, 2.0, 3.0))).map(drop)),
+    ("create_body", |f, p| {
+        f.world.create_body(&BodyDef::new(BodyKind::Static, p.vector(1.0, 2.0, 3.0))).map(drop)
+    }),
     ("create_shape", |f, p| f.world.create_shape(f.body, &p.shape_def(0)).map(drop)),
     ("create_shape", |f, p| f.world.create_shape(f.body, &p.shape_def(1)).map(drop)),
     ("create_shape", |f, p| f.world.create_shape(f.body, &p.shape_def(2)).map(drop)),
@@ -229,7 +231,9 @@ fn is_typed(error: &Error) -> bool {
     use cellstep::collide::{hull::HullError, mesh::MeshError};
     matches!(
         error,
-        Error::NotFinite { .. } | Error::Hull(HullError::NotFinite { .. }) | Error::Mesh(MeshError::NotFinite { .. })
+        Error::NotFinite { .. }
+            | Error::Hull(HullError::NotFinite { .. })
+            | Error::Mesh(MeshError::NotFinite { .. })
     )
 }
 
@@ -319,7 +323,9 @@ fn stale_handles_and_wrong_kinds_are_refused() {
             assert!(matches!(outcome, Err(Error::Stale { .. })), "{name}: {outcome:?}");
             assert!(f.world.state() == state, "{name}");
         }
-        let wrong = |outcome: Result<(), Error>| assert!(matches!(outcome, Err(Error::WrongKind { .. })), "{outcome:?}");
+        let wrong = |outcome: Result<(), Error>| {
+            assert!(matches!(outcome, Err(Error::WrongKind { .. })), "{outcome:?}")
+        };
         wrong(f.world.set_linear_velocity(ground, Vec3::ONE));
         wrong(f.world.set_angular_velocity(ground, Vec3::ONE));
         wrong(f.world.apply_force(ground, Vec3::ONE));
@@ -401,7 +407,11 @@ fn every_public_method_is_listed() {
                 continue;
             }
             let is_case = CASES.iter().chain(ASSET_CASES).any(|case| case.0 == name);
-            assert!(is_case || WITHOUT_NUMBERS.contains(&name), "`{name}` of {} is not listed", file.display());
+            assert!(
+                is_case || WITHOUT_NUMBERS.contains(&name),
+                "`{name}` of {} is not listed",
+                file.display()
+            );
             listed.insert(name.to_string());
         }
     }

@@ -12,8 +12,8 @@ fn shifted(name: &str, sectors: [i32; 3]) -> OwnedWorld {
     let mut build = scene.build(std::path::Path::new(".")).expect("builds");
     for &body in &build.bodies {
         let mut place = build.world.position(body).expect("alive");
-        for axis in 0..3 {
-            place.sector[axis] += sectors[axis];
+        for (own, moved) in place.sector.iter_mut().zip(sectors) {
+            *own += moved;
         }
         let rotation = build.world.rotation(body).expect("alive");
         build.world.set_pose(body, place, rotation).expect("inside the world");

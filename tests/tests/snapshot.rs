@@ -199,7 +199,10 @@ fn other_lengths_are_refused() {
     let (mut world, saved) = stepped();
     let before = world.state().to_vec();
     for given in (0..saved.len()).step_by(7).chain([saved.len() - 1]) {
-        let is_length = |error| matches!(error, Err(Error::Snapshot(SnapshotError::WrongLength { given: g, .. })) if g == given);
+        let is_length = |result| match result {
+            Err(Error::Snapshot(SnapshotError::WrongLength { given: found, .. })) => found == given,
+            _ => false,
+        };
         assert!(is_length(world.restore(&saved[..given])), "{given} bytes");
         assert!(is_length(world.load(&saved[..given])), "{given} bytes");
     }

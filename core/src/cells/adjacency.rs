@@ -118,7 +118,8 @@ impl<'a> Graph<'a> {
         self.active_count = kept_bodies;
     }
 
-    /// Gives each body its range, and lists the active bodies. `place` becomes the write position of [`Self::fill`].
+    /// Gives each body its range, and lists the active bodies. `place` becomes the write position of
+    /// [`Self::fill`].
     fn place_ranges(&mut self) {
         let mut first = 0;
         for (body, node) in self.nodes.iter_mut().enumerate() {

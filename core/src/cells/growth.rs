@@ -99,8 +99,8 @@ impl<'a> Growth<'a> {
     }
 
     /// The star of a hub: its links to immovable bodies and to those bodies without owner that are no hubs
-    /// themselves, so that every hub gets a star. Links between the outer bodies are left to later phases, which can
-    /// solve them in parallel.
+    /// themselves, so that every hub gets a star. Links between the outer bodies are left to later phases, which
+    /// can solve them in parallel.
     pub fn star(&mut self, hub: u32, limit: u32, schedule: &mut Schedule<'_>) {
         let first = self.next_stamp();
         let node = self.graph.nodes[hub as usize];
@@ -123,8 +123,8 @@ impl<'a> Growth<'a> {
         self.close(first, schedule);
     }
 
-    /// Grows one block of at most `cap` links from `seed`; only the first body to bring links may exceed it. Without
-    /// cap the order of taking does not matter, and bodies are taken breadth-first.
+    /// Grows one block of at most `cap` links from `seed`; only the first body to bring links may exceed it.
+    /// Without cap the order of taking does not matter, and bodies are taken breadth-first.
     pub fn grow(&mut self, seed: u32, cap: u32, schedule: &mut Schedule<'_>) {
         let first = self.next_stamp();
         let places = if cap == UNCAPPED { usize::MAX } else { FRONTIER_MAX };

@@ -5,8 +5,9 @@
 
 use super::{Block, Link, Schedule};
 
-/// Lays out the blocks from `first_block` on: sorts them by (descending length, build order) and writes their links,
-/// which `grown` holds in build order, by (kind, build order) into the schedule. `keys` has a place per link.
+/// Lays out the blocks from `first_block` on: sorts them by (descending length, build order) and writes their
+/// links, which `grown` holds in build order, by (kind, build order) into the schedule. `keys` has a place per
+/// link.
 pub(super) fn lay_out(
     links: &[Link],
     grown: &[u32],

@@ -249,7 +249,8 @@ fn the_last_phase_takes_connected_components() {
 
 #[test]
 fn a_closed_frontier_keeps_the_schedule_valid() {
-    // 30,000 bodies with about six links to anywhere: a block of 3,750 links reaches many more bodies than it can list.
+    // 30,000 bodies with about six links to anywhere: a block of 3,750 links reaches many more bodies than it can
+    // list.
     let scene = graphs::anywhere(30_000, 90_000, &mut Random(3));
     assert_promises(&scene, 100_000, &build(&scene, 100_000, 0));
 }

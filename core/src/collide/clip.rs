@@ -35,6 +35,9 @@ pub const SIDE: u8 = 64;
 
 /// Points within this fraction of the manifold's width of the deepest one count as equally deep.
 const DEPTH_TIE: f32 = 1.0e-3;
+/// The first point need not be deeper than this fraction of the width allows: a body on soft contacts tilts by about
+/// as much towards a corner that is left out, and a choice that follows the tilt never comes to rest.
+const LEVEL_TIE: f32 = 1.0e-2;
 /// A point must beat another by this fraction: noise in the last bits shall not choose.
 const CHOICE_TIE: f32 = 1.0e-3;
 /// An incident face must look more against the reference by this (difference of cosines) than one before it.
@@ -276,7 +279,7 @@ fn choose(points: &[ManifoldPoint], normal: Vec3) -> heapless::Vec<usize, POINTS
         width = max(width, (point.position - points[0].position).length_squared());
     }
     let width = crate::math::sqrt(width);
-    let enough = deepest + DEPTH_TIE * width;
+    let enough = deepest + LEVEL_TIE * width;
     let first = points.iter().position(|p| p.separation <= enough).unwrap_or(0);
     let across = |from: usize, to: usize| {
         let d = points[to].position - points[from].position;

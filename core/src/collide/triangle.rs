@@ -246,8 +246,8 @@ impl Facet {
     /// How deep the face may push in the place of a rejected normal `d`, along which the separation was `rejected`.
     ///
     /// A normal much like the face's may be replaced by it unless that pushes much farther. One that runs along
-    /// the face comes from an edge near which the shape passes, most often one that a neighbour has: the face counts
-    /// only if the shape stands on it.
+    /// the face comes from an edge near which the shape passes, most often one that a neighbour has: the face
+    /// counts only if the shape stands on it.
     fn least_separation(&self, d: Vec3, rejected: f32, tolerance: f32) -> f32 {
         if d.dot(self.normal()) >= LIKE_FACE {
             return -(DEEPER * max(-rejected, 0.0) + tolerance);

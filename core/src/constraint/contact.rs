@@ -78,8 +78,12 @@ fn visit_row(sweep: &Sweep, row: &mut LinkRow, points: &mut [PointRow], seats: &
     let mut u = Velocities::gather(row, seats);
     match sweep.pass {
         Pass::Warm => warm(&mut u, row, points),
-        Pass::Bounce => bounce(&mut u, row, points, &shift),
+        Pass::Bounce => bounce(&mut u, row, points, (sweep, &shift)),
         _ => {
+            if row.turns != 0 && sweep.pass == Pass::Biased {
+                u.wb = u.wb + row.turn;
+                row.turns = 0;
+            }
             solve_friction(&mut u, row, points, &shift);
             solve_normals(&mut u, row, points, (sweep, &shift));
         }
@@ -130,6 +134,32 @@ impl Shift {
             self.slides.select(sum.y, jacobian.y),
             self.slides.select(sum.z, jacobian.z),
         )
+    }
+
+    /// 1 / (J M^-1 Jt) of a point with the jacobian `jb`. A longer arm yields more: with the mass of the shorter one
+    /// a sweep would overshoot, and bodies that slide along each other for longer than their arms would explode.
+    #[inline(always)]
+    fn mass(&self, point: &PointRow, jb: LaneVec) -> Lane {
+        if !self.any {
+            return point.mass;
+        }
+        let more = jb.dot(jb) - point.normal_b.dot(point.normal_b);
+        // Never 0: where the bodies hardly move but by turning, the rest is rounding.
+        let sum = (Lane::splat(1.0) + point.mass * more).greatest(Lane::splat(1.0e-3));
+        self.slides.select(point.mass / sum, point.mass)
+    }
+
+    /// The same for both tangents, by the trace of what their 2x2 block gains.
+    #[inline(always)]
+    fn friction_mass(&self, row: &LinkRow, (first_b, second_b): (LaneVec, LaneVec)) -> Lane {
+        if !self.any {
+            return row.friction_mass;
+        }
+        let now = first_b.dot(first_b) + second_b.dot(second_b);
+        let before = row.first_b.dot(row.first_b) + row.second_b.dot(row.second_b);
+        let more = (now - before).greatest(Lane::ZERO);
+        let sum = Lane::splat(1.0) + row.friction_mass * more;
+        self.slides.select(row.friction_mass / sum, row.friction_mass)
     }
 }
 
@@ -224,13 +254,33 @@ fn follow(row: &mut LinkRow, points: &mut [PointRow], seats: &[Seat], substep: f
     let (ta, tb) = (LaneVec::new(a[4], a[5], a[6]), LaneVec::new(b[4], b[5], b[6]));
     let along = row.normal.dot(moved);
     let h = Lane::splat(substep);
-    for point in points {
+    for point in points.iter_mut() {
         let jb = shift.apply(point.normal_b, shift.normal);
         let turned = jb.dot(tb) - point.normal_a.dot(ta);
         point.separation = point.separation + (along + turned + point.surface * h);
     }
     // Against an immovable body the point rides on the moving one: its arm stays.
     row.slide = row.slide + moved;
+    turn_warm_start(row, points, &shift);
+}
+
+/// The impulses so far are the next substep's warm start, and come as the change of velocity that they made with the
+/// arms of this one. Notes what B's new arms change of it: without that a hard blow between bodies that slide leaks
+/// angular momentum, 1e-3 of all in a storm of collisions.
+fn turn_warm_start(row: &mut LinkRow, points: &[PointRow], before: &Shift) {
+    let after = Shift::of(row);
+    if !after.any {
+        return;
+    }
+    let load = points.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse);
+    let none = LaneVec::ZERO;
+    let change = |old: LaneVec, new: LaneVec, impulse: Lane| {
+        (after.apply(none, new) - before.apply(none, old)).times(impulse)
+    };
+    row.turn = change(before.normal, after.normal, load)
+        + change(before.first, after.first, row.first_impulse)
+        + change(before.second, after.second, row.second_impulse);
+    row.turns = 1;
 }
 
 fn warm(u: &mut Velocities, row: &LinkRow, points: &[PointRow]) {
@@ -252,9 +302,10 @@ fn solve_friction(u: &mut Velocities, row: &mut LinkRow, points: &[PointRow], sh
     let first_b = shift.apply(row.first_b, shift.first);
     let second_b = shift.apply(row.second_b, shift.second);
 
+    let friction_mass = shift.friction_mass(row, (first_b, second_b));
     let x =
-        row.first_impulse - row.friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
-    let y = row.second_impulse - row.friction_mass * (u.rate(second, row.second_a, second_b) + row.surface.y);
+        row.first_impulse - friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
+    let y = row.second_impulse - friction_mass * (u.rate(second, row.second_a, second_b) + row.surface.y);
     let size = (x * x + y * y).sqrt();
     let outside = size.greater(limit);
     let scale = outside.select(limit / outside.select(size, Lane::splat(1.0)), Lane::splat(1.0));
@@ -357,12 +408,13 @@ fn press_together(
     for point in points {
         let demand = demand(point);
         ja = ja + point.normal_a;
-        jb = jb + shift.apply(point.normal_b, shift.normal);
+        jb = jb + point.normal_b;
         soft = soft + demand.soft;
         wanted = wanted + (demand.bias + point.surface + demand.soft * point.impulse);
         least = point.mass.greater(zero).select(point.impulse.least(least), least);
     }
     let count = row.count;
+    let jb = shift.apply(jb, shift.normal.times(count));
     let rate = count * line.speed + (jb.dot(line.u.wb) - ja.dot(line.u.wa));
     let inertia = count * count * line.yields + ja.dot(ja) + jb.dot(jb) + soft;
     let several = count.greater(Lane::splat(1.5)).and(inertia.greater(zero));
@@ -378,7 +430,7 @@ fn solve_points(
     mut line: Line<'_>,
     row: &LinkRow,
     (points, shift): (&mut [PointRow], &Shift),
-    (demand, change): (impl Fn(&PointRow) -> Demand, impl Fn(&PointRow, Lane) -> Lane),
+    (demand, change): (impl Fn(&PointRow) -> Demand, impl Fn(&PointRow, Lane, Lane) -> Lane),
 ) {
     let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
     if points.len() > 1 {
@@ -391,7 +443,8 @@ fn solve_points(
         let jb = shift.apply(point.normal_b, shift.normal);
         let rate = line.rate(point.normal_a, jb) + point.surface;
         let before = point.impulse;
-        point.impulse = (before - change(point, rate)).greatest(zero).finite_or(before).flushed();
+        let off = change(point, rate, shift.mass(point, jb));
+        point.impulse = (before - off).greatest(zero).finite_or(before).flushed();
         line.press((point.normal_a, jb), (one, point.impulse - before));
     }
     line.finish(row);
@@ -405,58 +458,69 @@ fn solve_normals(
     (sweep, shift): (&Sweep, &Shift),
 ) {
     let line = Line::new(u, row);
-    if sweep.pass != Pass::Biased {
-        let demand = |point: &PointRow| Demand { bias: relaxed(sweep, point), soft: Lane::ZERO };
-        let change = |point: &PointRow, rate: Lane| point.mass * (rate + relaxed(sweep, point));
-        return solve_points(line, row, (points, shift), (demand, change));
-    }
     if row.bounces != 0 {
         record_bounces(&line, row, points, (sweep, shift));
+    }
+    if sweep.pass != Pass::Biased {
+        let demand = |point: &PointRow| Demand { bias: relaxed(sweep, point), soft: Lane::ZERO };
+        let change = |point: &PointRow, rate: Lane, mass: Lane| mass * (rate + relaxed(sweep, point));
+        return solve_points(line, row, (points, shift), (demand, change));
     }
     let demand = |point: &PointRow| {
         let (apart, bias) = biased(sweep, row, point);
         Demand { bias, soft: apart.select(Lane::ZERO, point.soft) }
     };
-    let change = |point: &PointRow, rate: Lane| {
+    let change = |point: &PointRow, rate: Lane, mass: Lane| {
         let (apart, bias) = biased(sweep, row, point);
-        let firm = point.mass * (rate + bias);
+        let firm = mass * (rate + bias);
         apart.select(firm, firm * row.mass_scale + row.impulse_scale * point.impulse)
     };
     solve_points(line, row, (points, shift), (demand, change));
 }
 
-/// Fixes the speed at which a point will leave, when it presses for the first time in this step. All points of a
+/// Fixes the energy with which a point will leave, when it presses for the first time in this step. All points of a
 /// row see the velocity before the row's impulses, so that a box that falls flat does not start to spin.
 ///
 /// Symplectic Euler conserves `H = v^2/2 - a s + a h v/2` in free flight along the normal (acceleration a, height
-/// s), so the speed after the bounce is the one with `e^2 H`: apexes then keep their height whatever the substep.
+/// s); the point leaves with `e^2 H`: apexes then keep their height whatever the substep.
 fn record_bounces(line: &Line<'_>, row: &LinkRow, points: &mut [PointRow], (sweep, shift): (&Sweep, &Shift)) {
     let (zero, half) = (Lane::ZERO, Lane::splat(0.5));
-    let per_substep = Lane::splat(1.0 / sweep.substep);
+    // The biased sweep sees the velocity with this substep's push (push = a h), but heights before its motion.
+    let early = if sweep.pass == Pass::Biased { row.push } else { zero };
     let e2 = row.restitution * row.restitution;
-    let quarter = Lane::splat(0.25) * row.push * row.push;
     for point in points {
         let rate = line.rate(point.normal_a, shift.apply(point.normal_b, shift.normal)) + point.surface;
+        let bias =
+            if sweep.pass == Pass::Biased { biased(sweep, row, point).1 } else { relaxed(sweep, point) };
         let fast = rate.less(Lane::splat(-sweep.restitution_threshold));
-        let closes = (rate + biased(sweep, row, point).1).less(zero);
-        let pressed = closes.and(point.mass.greater(zero)).and(row.restitution.greater(zero));
+        let presses = (point.mass * (rate + bias)).less(point.impulse).and(point.mass.greater(zero));
         let unset = point.bounce.less(Lane::splat(f32::MIN_POSITIVE));
-        // push = a h; the velocity before this substep's push is rate - push.
-        let before = rate - row.push;
-        let energy = half * before * before - row.push * per_substep * point.separation.greatest(zero)
-            + half * row.push * before;
-        let speed = (quarter + (e2 + e2) * energy.greatest(zero)).sqrt() - half * row.push;
-        let record = fast.and(pressed).and(unset);
-        point.bounce = record.select(speed.finite_or(zero), point.bounce);
+        let before = rate - early;
+        let energy = half * before * (before + row.push) - height_energy(sweep, row, point);
+        let record = fast.and(presses).and(unset).and(row.restitution.greater(zero));
+        point.bounce = record.select((e2 * energy).finite_or(zero), point.bounce);
     }
 }
 
-fn bounce(u: &mut Velocities, row: &LinkRow, points: &mut [PointRow], shift: &Shift) {
-    let zero = Lane::ZERO;
+/// `a s` of a point that is apart, m2/s2.
+#[inline(always)]
+fn height_energy(sweep: &Sweep, row: &LinkRow, point: &PointRow) -> Lane {
+    row.push * Lane::splat(1.0 / sweep.substep) * point.separation.greatest(Lane::ZERO)
+}
+
+/// Gives the bouncing points their speed: the root of `v^2/2 + a h v/2 = E + a s`.
+fn bounce(u: &mut Velocities, row: &LinkRow, points: &mut [PointRow], (sweep, shift): (&Sweep, &Shift)) {
+    let (zero, half, two) = (Lane::ZERO, Lane::splat(0.5), Lane::splat(2.0));
+    let half_push = half * row.push;
+    for point in points.iter_mut() {
+        let energy = (point.bounce + height_energy(sweep, row, point)).greatest(zero);
+        let speed = (half_push * half_push + two * energy).sqrt() - half_push;
+        point.bounce = point.bounce.greater(zero).select(speed.finite_or(zero), zero);
+    }
     // A point that does not bounce may go on as it does.
     let leaves = |point: &PointRow| point.bounce.greater(zero);
     let demand = |point: &PointRow| Demand { bias: -point.bounce, soft: zero };
     let change =
-        |point: &PointRow, rate: Lane| leaves(point).select(point.mass * (rate - point.bounce), zero);
+        |point: &PointRow, rate: Lane, mass: Lane| leaves(point).select(mass * (rate - point.bounce), zero);
     solve_points(Line::new(u, row), row, (points, shift), (demand, change));
 }

@@ -30,8 +30,10 @@ pub(crate) struct LinkRow {
     pub locked: u32,
     /// 1 when a lane bounces.
     pub bounces: u32,
+    /// 1 when the next biased sweep has to apply `turn`.
+    pub turns: u32,
     /// Zero.
-    pub reserved: [u32; 5],
+    pub reserved: [u32; 4],
     pub normal: LaneVec,
     pub tangent: LaneVec,
     /// W of body B: diagonal, then xy, xz, yz.
@@ -39,6 +41,8 @@ pub(crate) struct LinkRow {
     /// How far B's center moved relative to A's in this step: the point of contact goes with A, so B's arm is
     /// shorter by this, and action and reaction stay on one line.
     pub slide: LaneVec,
+    /// What the last change of B's arm changes of the warm start: whitened angular velocity of B, rad/s.
+    pub turn: LaneVec,
     /// Slide, squared, from which on B's arm is corrected.
     pub slide_min: Lane,
     /// Jacobians of the first tangent.
@@ -92,6 +96,7 @@ pub(crate) struct PointRow {
     pub impulse: Lane,
     /// Velocity of an immovable B's surface along the normal, m/s.
     pub surface: Lane,
-    /// Speed at which the point is to leave, m/s; 0 when it does not bounce.
+    /// Energy over mass with which the point is to leave, m2/s2; in the bounce sweep its speed, m/s. 0 when it does
+    /// not bounce.
     pub bounce: Lane,
 }

@@ -7,7 +7,7 @@ use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::math::{PI, Vec3, any_perpendicular, length, max, normalize_or, sqrt};
-use crate::pipeline::integration::{locked_or_free_root, root_times};
+use crate::pipeline::integration::{chord, locked_or_free_root, root_times};
 use crate::pipeline::layout::{EMPTY, Group, Plan};
 use crate::pipeline::mover::Mover;
 use crate::pipeline::seat::Seat;
@@ -30,6 +30,7 @@ struct Scene<'a> {
     contact_touch: &'a [u32],
     softness: &'a Softnesses,
     substep: f32,
+    dt: f32,
 }
 
 /// Softness of contacts between dynamic bodies, and with immovable ones.
@@ -113,6 +114,7 @@ pub(crate) fn fill<E: Executor>(
         contact_touch: scratch.contact_touch,
         softness: &softness,
         substep: settings.substep(),
+        dt: settings.dt,
     };
     let groups = &mut scratch.groups[..plan.groups];
     let share = chunk(groups.len(), 1);
@@ -228,40 +230,30 @@ impl<'a> LinkSides<'a> {
             let index = scene.active_of[slot as usize];
             (index != IMMOVABLE).then(|| &scene.active[index as usize])
         };
-        let tangent = patch_tangent(scene, touch);
-        match (of(touch.bodies[0]), of(touch.bodies[1])) {
-            (Some(a), b) => Self {
-                touch,
-                a,
-                b,
-                normal: touch.normal,
-                tangent,
-                shift_a: Vec3::ZERO,
-                shift_b: -touch.centers,
-                sign: 1.0,
-                slot_b: touch.bodies[1] as usize,
-            },
-            (None, b) => Self {
-                touch,
-                a: b.expect("one body of a pair is dynamic"),
-                b: None,
-                normal: -touch.normal,
-                tangent,
-                shift_a: -touch.centers,
-                shift_b: Vec3::ZERO,
-                sign: -1.0,
-                slot_b: touch.bodies[0] as usize,
-            },
+        let [a, b] = touch.sides();
+        let (sign, none) = (touch.sign(), Vec3::ZERO);
+        let shifts = if sign > 0.0 { (none, -touch.centers) } else { (-touch.centers, none) };
+        Self {
+            touch,
+            a: of(a).expect("body A of a link is dynamic"),
+            b: of(b),
+            normal: touch.normal * sign,
+            tangent: patch_tangent(scene, touch),
+            shift_a: shifts.0,
+            shift_b: shifts.1,
+            sign,
+            slot_b: b as usize,
         }
     }
 
-    /// Velocity of an immovable B's surface at an arm of B; 0 for a dynamic one, whose seat has it.
+    /// Velocity of an immovable B's surface at an arm of B, as a mean of the step; 0 for a dynamic one, whose seat
+    /// has it.
     fn surface(&self, scene: &Scene<'_>, arm_b: Vec3) -> Vec3 {
         if self.b.is_some() {
             return Vec3::ZERO;
         }
         let motion = &scene.motions[self.slot_b];
-        motion.linear + motion.angular.cross(arm_b)
+        motion.linear + chord(motion.angular, arm_b, scene.dt)
     }
 
     fn jacobian_a(&self, arm: Vec3, direction: Vec3) -> Vec3 {

@@ -171,8 +171,8 @@ fn first_sector(state: &State<'_>) -> [i32; 3] {
 fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
     let shape = &state.shapes[slot as usize];
     let center = state.motions[shape.body as usize].center;
-    let shift = Position { sector: center.sector, offset: Vec3::ZERO }
-        .minus(Position { sector, offset: Vec3::ZERO });
+    let shift =
+        Position { sector: center.sector, offset: Vec3::ZERO }.minus(Position { sector, offset: Vec3::ZERO });
     if shift == Vec3::ZERO {
         return shape.fat_box;
     }
@@ -186,10 +186,8 @@ fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
 /// True when two shapes' fat boxes overlap, whatever their sectors.
 fn boxes_overlap(state: &State<'_>, a: u32, b: u32) -> bool {
     let (sa, sb) = (&state.shapes[a as usize], &state.shapes[b as usize]);
-    let sector = |s: &ShapeRow| Position {
-        sector: state.motions[s.body as usize].center.sector,
-        offset: Vec3::ZERO,
-    };
+    let sector =
+        |s: &ShapeRow| Position { sector: state.motions[s.body as usize].center.sector, offset: Vec3::ZERO };
     let shift = sector(sb).minus(sector(sa));
     let moved = Aabb { min: sb.fat_box.min + shift, max: sb.fat_box.max + shift };
     sa.fat_box.overlaps(&moved)
@@ -369,8 +367,7 @@ fn merge(state: &mut State<'_>, scratch: &mut Scratch<'_>, found: usize, counts:
     if kept + found > room {
         // Which pairs stay is decided among all of them, so all are looked for again in the next step.
         let contacts = &state.contacts[..state.header[0].contacts as usize];
-        let mut best =
-            Best { keys: scratch.found, count: found, dropped: 0, room };
+        let mut best = Best { keys: scratch.found, count: found, dropped: 0, room };
         for pair in &state.pairs[..kept] {
             best.add(key(pair.a, pair.b), contacts);
         }

@@ -1,7 +1,8 @@
 //! Finish: results of the solve written back to the state; bodies that are no longer numbers are quarantined.
 
-use crate::body::{self, BodyKind, BodyRow, CHANGED_SECTOR, KIND_MASK, Motion, QUARANTINED, STOPS_AFTER_STEP};
-use crate::cells::IMMOVABLE;
+use crate::body::{
+    self, BodyKind, BodyRow, CHANGED_SECTOR, KIND_MASK, Motion, QUARANTINED, STOPS_AFTER_STEP,
+};
 use crate::config::SECTOR_MAX;
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
@@ -60,36 +61,29 @@ fn store_impulses<E: Executor>(
     }
     let (links, points) = (&*scratch.link_rows, &*scratch.point_rows);
     let (first_points, touches) = (&*scratch.row_points, &*scratch.touches);
-    let active_of = &*scratch.active_of;
     crew.run(Stage::Finish, &mut tasks, |task| {
         for ((row, &place), &touch) in task.rows.iter_mut().zip(task.places).zip(task.touches) {
             let (link, lane) = (place as usize / LANES, place as usize % LANES);
             let first = first_points[link] as usize;
             let touch = &touches[touch as usize];
-            let exchanged = active_of[touch.bodies[0] as usize] == IMMOVABLE;
-            store(row, (&links[link], &points[first..]), touch, (lane, exchanged_sign(exchanged)));
+            store(row, (&links[link], &points[first..]), touch, lane);
         }
     });
-}
-
-/// Sides are exchanged when body A of the contact is immovable.
-fn exchanged_sign(exchanged: bool) -> f32 {
-    if exchanged { -1.0 } else { 1.0 }
 }
 
 fn store(
     row: &mut ContactRow,
     (link, points): (&LinkRow, &[PointRow]),
     touch: &Touch,
-    (lane, sign): (usize, f32),
+    lane: usize,
 ) {
-    for i in 0..touch.row.points as usize {
-        row.impulses[i] = points[i].impulse.get(lane);
+    for (impulse, point) in row.impulses.iter_mut().zip(points).take(touch.row.points as usize) {
+        *impulse = point.impulse.get(lane);
     }
     let at = |v: &crate::lanes::LaneVec| Vec3::new(v.x.get(lane), v.y.get(lane), v.z.get(lane));
     let (n, t) = (at(&link.normal), at(&link.tangent));
     let s = n.cross(t);
-    row.friction = (t * link.first_impulse.get(lane) + s * link.second_impulse.get(lane)) * sign;
+    row.friction = (t * link.first_impulse.get(lane) + s * link.second_impulse.get(lane)) * touch.sign();
     row.twist = link.twist_impulse.get(lane);
 }
 
@@ -185,7 +179,7 @@ impl Results<'_> {
             center: motion.center.plus(mover.displacement),
             rotation: mover.rotation.normalized(),
             linear: Vec3::new(u[0], u[1], u[2]),
-            angular: mover.angular_velocity(whitened),
+            angular: mover.angular_velocity(whitened, motion.angular),
         };
         row.force = Vec3::ZERO;
         row.torque = Vec3::ZERO;

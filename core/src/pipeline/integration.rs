@@ -96,9 +96,9 @@ pub(crate) fn whiten(w: &[f32; 6], v: Vec3) -> Vec3 {
     // W is positive on the free axes, so no pivoting is needed.
     for i in 0..3 {
         for k in i + 1..3 {
-            let factor = m[k][i] / m[i][i];
-            for j in i..3 {
-                m[k][j] -= factor * m[i][j];
+            let (pivot, factor) = (m[i], m[k][i] / m[i][i]);
+            for (entry, above) in m[k].iter_mut().zip(pivot).skip(i) {
+                *entry -= factor * above;
             }
             x[k] -= factor * x[i];
         }
@@ -129,6 +129,16 @@ fn half_angle(a2: f32) -> (f32, f32) {
 pub(crate) fn turned(rotation: Rotation, turn: Vec3) -> Rotation {
     let (s, c) = half_angle(turn.dot(turn));
     Rotation::new(turn.x * s, turn.y * s, turn.z * s, c).after(rotation).normalized()
+}
+
+/// Mean velocity, over `time` seconds, of the point at `arm` of a body that turns about its center: along the chord
+/// of its arc, so that what goes along with the point is where the point is at the end.
+pub(crate) fn chord(angular: Vec3, arm: Vec3, time: f32) -> Vec3 {
+    // (R - 1) r = sin(a) / a (t x r) + (1 - cos(a)) / a^2 t x (t x r) for the rotation vector t, of length a.
+    let turn = angular * time;
+    let (s, c) = half_angle(turn.dot(turn));
+    let tangent = angular.cross(arm);
+    tangent * (2.0 * s * c) + turn.cross(tangent) * (2.0 * s * s)
 }
 
 /// The rotation vector of a rotation, of at most half a turn.

@@ -101,7 +101,11 @@ pub(crate) struct Tables<'a> {
 }
 
 /// Lays out a schedule. Seats, rows and points come phase by phase, group by group.
-pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>, points_of: impl Fn(u32) -> u32) -> Plan {
+pub(crate) fn lay_out(
+    schedule: &Schedule<'_>,
+    tables: &mut Tables<'_>,
+    points_of: impl Fn(u32) -> u32,
+) -> Plan {
     let mut plan = Plan {
         phases: [Phase::default(); PHASES_MAX],
         phase_count: 0,

@@ -16,8 +16,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// faces are merged. The hull has at most 64 vertices.
     ///
     /// # Errors
-    /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], or [`Error::Hull`] for points that are flat, not
-    /// finite or too many on the hull.
+    /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], or [`Error::Hull`] for points that are flat,
+    /// not finite or too many on the hull.
     pub fn add_hull(&mut self, points: &[Vec3]) -> Result<HullHandle, Error> {
         self.check_unsealed()?;
         let tables = hull::build(points).map_err(Error::Hull)?;
@@ -34,8 +34,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Registers a triangle mesh: vertices in metres, and three vertex indices for each triangle, in any winding.
     ///
     /// # Errors
-    /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], or [`Error::Mesh`] naming the vertex or triangle
-    /// that is not finite, out of range, without area or there twice.
+    /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], or [`Error::Mesh`] naming the vertex or
+    /// triangle that is not finite, out of range, without area or there twice.
     pub fn add_mesh(&mut self, vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<MeshHandle, Error> {
         self.check_unsealed()?;
         let scratch_layout = self.layout.scratch;

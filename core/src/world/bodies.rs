@@ -3,8 +3,8 @@
 use super::World;
 use crate::arena::Line;
 use crate::body::{
-    self, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion, Position,
-    STOPS_AFTER_STEP,
+    self, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
+    Position, STOPS_AFTER_STEP,
 };
 use crate::collide::mass::MassAccumulator;
 use crate::error::Error;
@@ -178,7 +178,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     ///
     /// # Errors
     /// [`Error::Stale`], or the pose is refused.
-    pub fn set_pose(&mut self, body: BodyHandle, position: Position, rotation: Rotation) -> Result<(), Error> {
+    pub fn set_pose(
+        &mut self,
+        body: BodyHandle,
+        position: Position,
+        rotation: Rotation,
+    ) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
         check_pose(position, rotation)?;
         self.touch_trees();
@@ -261,7 +266,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn set_kind(&mut self, body: BodyHandle, kind: BodyKind) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
         if kind == BodyKind::Dynamic && !only_convex(&self.state_view(), slot) {
-            return Err(Error::WrongKind { needs: "half-spaces and meshes are for static and kinematic bodies" });
+            return Err(Error::WrongKind {
+                needs: "half-spaces and meshes are for static and kinematic bodies",
+            });
         }
         self.touch_trees();
         let mut state = self.state_view();
@@ -362,7 +369,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     ///
     /// # Errors
     /// As [`World::apply_impulse`]; the place may be at most 1e6 m from the body.
-    pub fn apply_impulse_at(&mut self, body: BodyHandle, impulse: Vec3, place: Position) -> Result<(), Error> {
+    pub fn apply_impulse_at(
+        &mut self,
+        body: BodyHandle,
+        impulse: Vec3,
+        place: Position,
+    ) -> Result<(), Error> {
         let arm = self.arm(body, place)?;
         validate::vector_within("impulse", impulse, EFFORT_MAX)?;
         self.add_impulse(body, impulse, arm.cross(impulse))
@@ -448,8 +460,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub(super) fn body_slot(&self, body: BodyHandle) -> Result<usize, Error> {
         let used = self.layout.state.body_used.of(self.state());
         let generations = self.layout.state.body_generations.of(self.state());
-        let lives = pool::is_used(used, body.index)
-            && generations.get(body.index as usize) == Some(&body.generation);
+        let lives =
+            pool::is_used(used, body.index) && generations.get(body.index as usize) == Some(&body.generation);
         if lives { Ok(body.index as usize) } else { Err(Error::Stale { what: "body" }) }
     }
 

@@ -26,7 +26,8 @@ pub(crate) fn hash(bytes: &[u8], seed: u64) -> u64 {
             rest = after;
         }
         let turns = [1, 7, 12, 18];
-        let mut h = lanes.iter().zip(turns).fold(0_u64, |h, (lane, turn)| h.wrapping_add(lane.rotate_left(turn)));
+        let mut h =
+            lanes.iter().zip(turns).fold(0_u64, |h, (lane, turn)| h.wrapping_add(lane.rotate_left(turn)));
         for lane in lanes {
             h = (h ^ round(0, lane)).wrapping_mul(P1).wrapping_add(P4);
         }
@@ -103,9 +104,6 @@ mod tests {
         assert_eq!(hash(b"", 0), 0xEF46_DB37_51D8_E999);
         assert_eq!(hash(b"a", 0), 0xD24E_C4F1_A98C_6E5B);
         assert_eq!(hash(b"abc", 0), 0x44BC_2CF5_AD77_0999);
-        assert_eq!(
-            hash(b"Nobody inspects the spammish repetition", 0),
-            0xFBCE_A83C_8A37_8BF1
-        );
+        assert_eq!(hash(b"Nobody inspects the spammish repetition", 0), 0xFBCE_A83C_8A37_8BF1);
     }
 }

@@ -104,7 +104,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let spans = &self.layout.state;
         let shapes = spans.shapes.of(self.state());
         let (bodies, motions) = (spans.bodies.of(self.state()), spans.motions.of(self.state()));
-        let side = |slot: usize| (&shapes[slot], &bodies[shapes[slot].body as usize], &motions[shapes[slot].body as usize]);
+        let side = |slot: usize| {
+            (&shapes[slot], &bodies[shapes[slot].body as usize], &motions[shapes[slot].body as usize])
+        };
         let ((sa, ba, ma), (sb, bb, mb)) = (side(a), side(b));
         let frame_a = ma.local_to_center(ba, &sa.pose);
         let local = mb.local_to_center(bb, &sb.pose);

@@ -13,9 +13,6 @@ use crate::state::{ContactRow, Header, Pair};
 use crate::validate;
 use bytemuck::{AnyBitPattern, Zeroable};
 
-/// Greatest speed that the solver leaves: the cap on each component, with room for a restitution sweep.
-const SPEED_LEFT_MAX: f32 = 1.0e9;
-
 /// Steps and versions only rise: from below this no game reaches the end of a `u64`.
 const COUNTER_MAX: u64 = 1 << 63;
 
@@ -83,8 +80,18 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let header = self.check_header(snapshot)?;
         check_content(snapshot)?;
         let sections: [Section; _] = self.sections_for(&header);
-        let [_, motions, bodies, body_generations, body_used, shapes, shape_generations, shape_used, pairs, contacts] =
-            parts(snapshot, &sections);
+        let [
+            _,
+            motions,
+            bodies,
+            body_generations,
+            body_used,
+            shapes,
+            shape_generations,
+            shape_used,
+            pairs,
+            contacts,
+        ] = parts(snapshot, &sections);
         let parts = Parts {
             header,
             motions: Rows::new(motions),
@@ -152,8 +159,10 @@ impl Parts<'_> {
             && row.flags & body::KIND_MASK <= BodyKind::Dynamic as u32
             && inside(&motion.center)
             && is_rotation(motion.rotation)
-            && validate::vector_within("", motion.linear, SPEED_LEFT_MAX).is_ok()
-            && validate::vector_within("", motion.angular, SPEED_LEFT_MAX).is_ok()
+            // Speeds are capped when they are integrated, not when they are left: a light body may be left with
+            // any.
+            && motion.linear.is_finite()
+            && motion.angular.is_finite()
             && (!is_static || still)
             && body::check_mass(&row.mass_properties()).is_ok()
             && validate::in_range("", row.linear_damping, 0.0, 1.0e4).is_ok()
@@ -232,8 +241,7 @@ impl Parts<'_> {
         // Shapes that are looked for again are taken out of the pairs before anything reads them.
         let renewed = (a.flags | b.flags) & BOX_STALE != 0;
         let dynamic = |s: &ShapeRow| self.bodies.get(s.body).is_dynamic();
-        renewed
-            || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && (a.is_convex() || b.is_convex()))
+        renewed || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && (a.is_convex() || b.is_convex()))
     }
 
     fn check_contacts(&self) -> Checked {

@@ -17,8 +17,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space or a mesh on a dynamic
-    /// body, or a number of the definition is refused; see [`ShapeDef`].
+    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space or a mesh on a
+    /// dynamic body, or a number of the definition is refused; see [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;
@@ -106,7 +106,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     ///
     /// # Errors
     /// As [`World::create_shape`].
-    pub fn set_geometry(&mut self, shape: ShapeHandle, geometry: &Geometry, pose: &Pose) -> Result<(), Error> {
+    pub fn set_geometry(
+        &mut self,
+        shape: ShapeHandle,
+        geometry: &Geometry,
+        pose: &Pose,
+    ) -> Result<(), Error> {
         let slot = self.shape_slot(shape)?;
         geometry.check()?;
         validate::pose("pose", pose)?;
@@ -173,7 +178,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         }
         let concave = matches!(geometry, Geometry::HalfSpace | Geometry::Mesh(_));
         if concave && kind == BodyKind::Dynamic {
-            return Err(Error::WrongKind { needs: "half-spaces and meshes are for static and kinematic bodies" });
+            return Err(Error::WrongKind {
+                needs: "half-spaces and meshes are for static and kinematic bodies",
+            });
         }
         Ok(())
     }

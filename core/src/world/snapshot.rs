@@ -1,7 +1,7 @@
 //! Snapshots: a header and one copy per section, up to its high-water mark.
 
-use super::checksum::hash;
 use super::World;
+use super::checksum::hash;
 use crate::arena::{LINE, Line};
 use crate::config::BEHAVIOUR_VERSION;
 use crate::error::{Error, SnapshotError};
@@ -152,16 +152,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Hash of what decides how the state's bytes are read.
     fn layout_hash(&self) -> u64 {
         let c = &self.capacities;
-        let counts = [
-            c.bodies,
-            c.shapes,
-            c.pairs,
-            c.contacts,
-            c.hulls,
-            c.meshes,
-            c.mesh_vertices,
-            c.mesh_triangles,
-        ];
+        let counts =
+            [c.bodies, c.shapes, c.pairs, c.contacts, c.hulls, c.meshes, c.mesh_vertices, c.mesh_triangles];
         self.sections().iter().fold(hash(bytemuck::bytes_of(&counts), 0), |sum, section| {
             hash(&(section.size as u64).to_le_bytes(), sum)
         })

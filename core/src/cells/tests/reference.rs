@@ -1,5 +1,5 @@
-//! The rules of cellular ordering once more, as plainly as possible: sets and lists, everything counted anew whenever
-//! it is asked for.
+//! The rules of cellular ordering once more, as plainly as possible: sets and lists, everything counted anew
+//! whenever it is asked for.
 
 extern crate std;
 

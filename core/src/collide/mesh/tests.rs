@@ -318,7 +318,8 @@ fn hills_hold_a_ball_and_a_box_at_their_true_depth() {
     let mut random = Random(11);
     for round in 0..300 {
         let [x, y] = [random.next(), random.next()].map(|r| 1.6 * r - 0.8);
-        // The depth of a ball is the least over the triangles one by one: no contact that counts may be judged away.
+        // The depth of a ball is the least over the triangles one by one: no contact that counts may be judged
+        // away.
         let radius = [0.03, 0.1, 0.4][round % 3];
         let center = Vec3::new(x, y, hills(x, y) + radius + 0.004 * random.next());
         let out = ground.collide(&Solid::Sphere { radius }, &Pose::new(center, Rotation::IDENTITY), 0.02);
