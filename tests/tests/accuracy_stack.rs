@@ -1,8 +1,8 @@
 //! Standing loads: the stiffness law, forces between stacked boxes, mass ratios.
 //!
-//! A soft contact of frequency f under the force F between bodies of effective mass m* rests at `F / (m* w^2)`, `w =
-//! 2 pi f`; contacts with immovable bodies have twice the frequency. A column of n equal cubes on the ground sinks
-//! `(g / w^2) (n (n - 1) + n / 4)`, a mass r on a mass 1 sinks `(g / w^2) (1 + r) (1 + 1/4)`.
+//! A soft contact of frequency f under the force F between bodies of effective mass m* rests at `F / (m* w^2)`, `w
+//! = 2 pi f`; contacts with immovable bodies have twice the frequency. A column of n equal cubes on the ground
+//! sinks `(g / w^2) (n (n - 1) + n / 4)`, a mass r on a mass 1 sinks `(g / w^2) (1 + r) (1 + 1/4)`.
 
 use cellstep::math::{Rotation, Vec3};
 use cellstep::{BodyDef, BodyHandle, Geometry, Position, Serial, Settings, ShapeDef, ShapeHandle};

@@ -13,6 +13,8 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 const STEPS: u32 = 300;
+/// The scenes that every executor steps; the others stand in the golden file only.
+const SCENES: [&str; 6] = ["stacked_pyramid", "wall", "mixed_pile", "bowls", "hub", "level"];
 
 fn built(builtin: &Builtin, size: u32) -> OwnedWorld {
     let scene = builtin.scene(size).expect("the size is in range");
@@ -40,6 +42,12 @@ fn serial() -> impl Iterator<Item = (&'static Builtin, &'static [u64])> {
     BUILTIN.iter().zip(SUMS.get_or_init(|| BUILTIN.iter().map(sum).collect()).iter().map(Vec::as_slice))
 }
 
+/// Those of [`SCENES`].
+fn serial_of_six() -> impl Iterator<Item = (&'static Builtin, &'static [u64])> {
+    assert!(SCENES.iter().all(|name| Builtin::find(name).is_some()), "a scene has another name now");
+    serial().filter(|(builtin, _)| SCENES.contains(&builtin.name))
+}
+
 #[test]
 fn golden_checksums() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/checksums.txt");
@@ -58,7 +66,7 @@ fn golden_checksums() {
 
 #[test]
 fn order_of_tasks_changes_no_bit() {
-    for (builtin, expected) in serial() {
+    for (builtin, expected) in serial_of_six() {
         for seed in 0..8 {
             let size = (builtin.golden_size, STEPS);
             let sums = checksums(builtin, size, &mut Shuffled::new(seed));
@@ -71,7 +79,7 @@ fn order_of_tasks_changes_no_bit() {
 fn number_of_workers_changes_no_bit() {
     for workers in [1, 2, 3, 8] {
         let mut pool = Pool::new(workers).expect("threads can be started");
-        for (builtin, expected) in serial() {
+        for (builtin, expected) in serial_of_six() {
             let sums = checksums(builtin, (builtin.golden_size, STEPS), &mut pool);
             assert_eq!(sums, expected, "{} with {workers} workers", builtin.name);
         }

@@ -51,7 +51,7 @@ fn fast_grazing_bodies_gain_no_energy() {
         let mut world = worlds::world(2);
         let settings = Settings { gravity: Vec3::ZERO, ..Settings::default() };
         world.set_settings(&settings).expect("valid");
-        let speed = [3.0, 30.0, 60.0, 150.0][case % 4];
+        let speed = [3.0, 10.0, 30.0, 60.0][case % 4];
         let bodies =
             [thrown(&mut world, &mut random, (-1.0, speed)), thrown(&mut world, &mut random, (1.0, speed))];
         let start = energy(&world, &bodies);

@@ -35,8 +35,8 @@ pub const SIDE: u8 = 64;
 
 /// Points within this fraction of the manifold's width of the deepest one count as equally deep.
 const DEPTH_TIE: f32 = 1.0e-3;
-/// The first point need not be deeper than this fraction of the width allows: a body on soft contacts tilts by about
-/// as much towards a corner that is left out, and a choice that follows the tilt never comes to rest.
+/// The same for the corners of one face. A body on soft contacts tilts by about as much towards a corner that is left
+/// out, and a choice that follows the tilt never comes to rest.
 const LEVEL_TIE: f32 = 1.0e-2;
 /// A point must beat another by this fraction: noise in the last bits shall not choose.
 const CHOICE_TIE: f32 = 1.0e-3;
@@ -138,7 +138,7 @@ pub fn face_manifold(pair: &FacePair<'_>, distance: f32) -> Option<Manifold> {
     let naming = Naming { side: pair.side, face: pair.face, incident };
     let mut near = Candidates::new();
     candidates(from, &plane, &naming, distance, &mut near);
-    let points = reduce(&near, plane.normal);
+    let points = reduce_face(&near, plane.normal);
     if points.is_empty() { None } else { Some(Manifold { child: 0, normal: pair.normal(), points }) }
 }
 
@@ -243,13 +243,26 @@ impl Naming<'_> {
 /// and those that widen the area most. Distances are taken across the unit vector `normal`. The features of the
 /// result are distinct; equal ones are renamed by a fixed rule.
 pub fn reduce(points: &[ManifoldPoint], normal: Vec3) -> heapless::Vec<ManifoldPoint, POINTS_MAX> {
+    reduce_within(points, normal, DEPTH_TIE)
+}
+
+/// The same for the corners of one face, which lie in a plane: the first need not be quite the deepest.
+pub fn reduce_face(points: &[ManifoldPoint], normal: Vec3) -> heapless::Vec<ManifoldPoint, POINTS_MAX> {
+    reduce_within(points, normal, LEVEL_TIE)
+}
+
+fn reduce_within(
+    points: &[ManifoldPoint],
+    normal: Vec3,
+    tie: f32,
+) -> heapless::Vec<ManifoldPoint, POINTS_MAX> {
     let mut out = heapless::Vec::new();
     if points.len() <= POINTS_MAX {
         for &point in points {
             let _ = out.push(point);
         }
     } else {
-        let chosen = choose(points, normal);
+        let chosen = choose(points, normal, tie);
         for i in chosen {
             let _ = out.push(points[i]);
         }
@@ -271,7 +284,7 @@ fn best_of(count: usize, score: impl Fn(usize) -> f32) -> Option<usize> {
     best
 }
 
-fn choose(points: &[ManifoldPoint], normal: Vec3) -> heapless::Vec<usize, POINTS_MAX> {
+fn choose(points: &[ManifoldPoint], normal: Vec3, tie: f32) -> heapless::Vec<usize, POINTS_MAX> {
     let mut deepest = f32::INFINITY;
     let mut width = 0.0;
     for point in points {
@@ -279,7 +292,7 @@ fn choose(points: &[ManifoldPoint], normal: Vec3) -> heapless::Vec<usize, POINTS
         width = max(width, (point.position - points[0].position).length_squared());
     }
     let width = crate::math::sqrt(width);
-    let enough = deepest + LEVEL_TIE * width;
+    let enough = deepest + tie * width;
     let first = points.iter().position(|p| p.separation <= enough).unwrap_or(0);
     let across = |from: usize, to: usize| {
         let d = points[to].position - points[from].position;

@@ -3,7 +3,7 @@
 //! The normal is always the surface's, and the contacts are the shape's lowest points: a point of B at height
 //! `z` over the surface has separation `z`, and lies in the middle at half that height.
 
-use super::clip::{CORNERS_MAX, reduce, single};
+use super::clip::{CORNERS_MAX, reduce_face, single};
 use super::polytope::BoxHull;
 use super::{Manifold, ManifoldPoint, Manifolds, Solid};
 use crate::math::{Pose, Vec3};
@@ -63,7 +63,7 @@ fn vertices(vertices: &[Vec3], pose: &Pose, distance: f32) -> Option<Manifold> {
             let _ = low.push(contact(point, feature));
         }
     }
-    let points = reduce(&low, Vec3::Z);
+    let points = reduce_face(&low, Vec3::Z);
     if points.is_empty() { None } else { Some(Manifold { child: 0, normal: Vec3::Z, points }) }
 }
 

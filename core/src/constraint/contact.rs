@@ -136,8 +136,9 @@ impl Shift {
         )
     }
 
-    /// 1 / (J M^-1 Jt) of a point with the jacobian `jb`. A longer arm yields more: with the mass of the shorter one
-    /// a sweep would overshoot, and bodies that slide along each other for longer than their arms would explode.
+    /// 1 / (J M^-1 Jt) of a point with the jacobian `jb`. A longer arm yields more: with the mass of the shorter
+    /// one a sweep would overshoot, and bodies that slide along each other for longer than their arms would
+    /// explode.
     #[inline(always)]
     fn mass(&self, point: &PointRow, jb: LaneVec) -> Lane {
         if !self.any {
@@ -257,7 +258,10 @@ fn follow(row: &mut LinkRow, points: &mut [PointRow], seats: &[Seat], substep: f
     for point in points.iter_mut() {
         let jb = shift.apply(point.normal_b, shift.normal);
         let turned = jb.dot(tb) - point.normal_a.dot(ta);
-        point.separation = point.separation + (along + turned + point.surface * h);
+        let change = along + turned + point.surface * h;
+        // A lane without this point keeps its zeros: `press_together` sums what the points want.
+        let real = point.mass.greater(Lane::ZERO);
+        point.separation = real.select(point.separation + change, point.separation);
     }
     // Against an immovable body the point rides on the moving one: its arm stays.
     row.slide = row.slide + moved;
@@ -269,7 +273,8 @@ fn follow(row: &mut LinkRow, points: &mut [PointRow], seats: &[Seat], substep: f
 /// angular momentum, 1e-3 of all in a storm of collisions.
 fn turn_warm_start(row: &mut LinkRow, points: &[PointRow], before: &Shift) {
     let after = Shift::of(row);
-    if !after.any {
+    // A lane that slides no longer takes back what it got.
+    if !before.any && !after.any {
         return;
     }
     let load = points.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse);
@@ -303,8 +308,7 @@ fn solve_friction(u: &mut Velocities, row: &mut LinkRow, points: &[PointRow], sh
     let second_b = shift.apply(row.second_b, shift.second);
 
     let friction_mass = shift.friction_mass(row, (first_b, second_b));
-    let x =
-        row.first_impulse - friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
+    let x = row.first_impulse - friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
     let y = row.second_impulse - friction_mass * (u.rate(second, row.second_a, second_b) + row.surface.y);
     let size = (x * x + y * y).sqrt();
     let outside = size.greater(limit);

@@ -247,13 +247,19 @@ impl<'a> LinkSides<'a> {
     }
 
     /// Velocity of an immovable B's surface at an arm of B, as a mean of the step; 0 for a dynamic one, whose seat
-    /// has it.
+    /// has it. What A's center does beyond being carried along takes the point to other places of the surface:
+    /// without that a ball that rolls on a turntable spirals outwards.
     fn surface(&self, scene: &Scene<'_>, arm_b: Vec3) -> Vec3 {
         if self.b.is_some() {
             return Vec3::ZERO;
         }
-        let motion = &scene.motions[self.slot_b];
-        motion.linear + chord(motion.angular, arm_b, scene.dt)
+        let Motion { linear, angular, .. } = scene.motions[self.slot_b];
+        if angular == Vec3::ZERO {
+            return linear;
+        }
+        let carried = linear + angular.cross(self.shift_b - self.shift_a);
+        let way = (scene.motions[self.a.body as usize].linear - carried) * (0.5 * scene.dt);
+        linear + chord(angular, arm_b, scene.dt) + angular.cross(way)
     }
 
     fn jacobian_a(&self, arm: Vec3, direction: Vec3) -> Vec3 {

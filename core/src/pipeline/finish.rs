@@ -71,12 +71,7 @@ fn store_impulses<E: Executor>(
     });
 }
 
-fn store(
-    row: &mut ContactRow,
-    (link, points): (&LinkRow, &[PointRow]),
-    touch: &Touch,
-    lane: usize,
-) {
+fn store(row: &mut ContactRow, (link, points): (&LinkRow, &[PointRow]), touch: &Touch, lane: usize) {
     for (impulse, point) in row.impulses.iter_mut().zip(points).take(touch.row.points as usize) {
         *impulse = point.impulse.get(lane);
     }

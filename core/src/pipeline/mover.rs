@@ -17,8 +17,9 @@ pub(crate) struct Mover {
     pub star: Lane,
     /// Velocity that gravity, force and torque give in a substep.
     pub push: Lane,
-    /// Factors of damping; 1 for inverse mass and locks.
-    pub keep: Lane,
+    /// Shares that damping takes; 0 for inverse mass and locks. Not what it leaves: a factor near 1 would be rounded once
+    /// and the error raised to the number of substeps.
+    pub loss: Lane,
     /// 1e-18 where numbers are flushed to zero, 0 for inverse mass and locks.
     pub flush: Lane,
     /// Motion of the center since the step began, metres.
@@ -65,15 +66,15 @@ impl Mover {
             Vec3::new(free(0, motion.linear.x), free(1, motion.linear.y), free(2, motion.linear.z));
         let whitened = integration::whiten(&active.root, motion.angular);
         let torque = integration::root_times(&active.root, row.torque) * substep;
-        let linear_keep = 1.0 / (1.0 + row.linear_damping * substep);
-        let angular_keep = 1.0 / (1.0 + row.angular_damping * substep);
+        // v' = v / (1 + c h) = v - v c h / (1 + c h)
+        let loss = |damping: f32| damping * substep / (1.0 + damping * substep);
         let row_of = |v: Vec3, m: f32, w: Vec3, l: f32| Lane::new([v.x, v.y, v.z, m, w.x, w.y, w.z, l]);
         let all = Vec3::splat;
         let current = row_of(velocity, active.inverse_mass, whitened, active.locks as f32);
         let mover = Self {
             star: current,
             push: row_of(active.push, 0.0, torque, 0.0),
-            keep: row_of(all(linear_keep), 1.0, all(angular_keep), 1.0),
+            loss: row_of(all(loss(row.linear_damping)), 0.0, all(loss(row.angular_damping)), 0.0),
             flush: row_of(all(1.0e-18), 0.0, all(1.0e-18), 0.0),
             displacement: Vec3::ZERO,
             spin,
@@ -104,7 +105,8 @@ impl Mover {
     }
 
     fn pushed(&self, velocity: Lane) -> Lane {
-        let v = (velocity + self.push) * self.keep;
+        let v = velocity + self.push;
+        let v = v - v * self.loss;
         (v + self.flush) - self.flush
     }
 

@@ -166,8 +166,8 @@ fn collide_pair(
     manifolds.len().saturating_sub(run.len()) as u32
 }
 
-/// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one, since
-/// the point of contact goes with A: the arm of a ball stays along the normal while it slides over a face.
+/// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one,
+/// since the point of contact goes with A: the arm of a ball stays along the normal while it slides over a face.
 fn are_exchanged(state: &State<'_>, (a, b): (&ShapeRow, &ShapeRow)) -> bool {
     let dynamic = |shape: &ShapeRow| state.bodies[shape.body as usize].is_dynamic();
     // Spheres come before capsules, and those before all others.

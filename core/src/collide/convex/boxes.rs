@@ -231,7 +231,7 @@ fn face_contacts(
     let naming = Naming { side, face: reference_face, incident: incident_loop };
     let mut near = Candidates::new();
     clip::candidates(from, &plane, &naming, distance, &mut near);
-    let points = clip::reduce(&near, normal);
+    let points = clip::reduce_face(&near, normal);
     let normal = if side == Reference::A { normal } else { -normal };
     if points.is_empty() { None } else { Some(Manifold { child: 0, normal, points }) }
 }
