@@ -50,7 +50,7 @@ pub(crate) const ALL: [Probe; 15] = [
     },
     Probe {
         name: "lane-flush",
-        value: || binary(|a, _| a.flushed(), |a, _| if a > 1.0e-18 || a < -1.0e-18 { a } else { 0.0 }),
+        value: || binary(|a, _| a.flushed(), |a, _| if a.abs() > 1.0e-18 { a } else { 0.0 }),
     },
     Probe { name: "lane-mask", value: masks },
     Probe { name: "lane-transpose", value: transpositions },

@@ -16,7 +16,7 @@ impl Numbers {
 
     /// The next index below `count`.
     pub fn below(&mut self, count: u32) -> u32 {
-        ((self.word() >> 32) * u64::from(count) >> 32) as u32
+        (((self.word() >> 32) * u64::from(count)) >> 32) as u32
     }
 
     /// The next number in `low..high`.

@@ -35,8 +35,8 @@ pub const SIDE: u8 = 64;
 
 /// Points within this fraction of the manifold's width of the deepest one count as equally deep.
 const DEPTH_TIE: f32 = 1.0e-3;
-/// The same for the corners of one face. A body on soft contacts tilts by about as much towards a corner that is left
-/// out, and a choice that follows the tilt never comes to rest.
+/// The same for the corners of one face. A body on soft contacts tilts by about as much towards a corner that
+/// is left out, and a choice that follows the tilt never comes to rest.
 const LEVEL_TIE: f32 = 1.0e-2;
 /// A point must beat another by this fraction: noise in the last bits shall not choose.
 const CHOICE_TIE: f32 = 1.0e-3;

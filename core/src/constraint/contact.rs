@@ -268,9 +268,9 @@ fn follow(row: &mut LinkRow, points: &mut [PointRow], seats: &[Seat], substep: f
     turn_warm_start(row, points, &shift);
 }
 
-/// The impulses so far are the next substep's warm start, and come as the change of velocity that they made with the
-/// arms of this one. Notes what B's new arms change of it: without that a hard blow between bodies that slide leaks
-/// angular momentum, 1e-3 of all in a storm of collisions.
+/// The impulses so far are the next substep's warm start, and come as the change of velocity that they made
+/// with the arms of this one. Notes what B's new arms change of it: without that a hard blow between bodies
+/// that slide leaks angular momentum, 1e-3 of all in a storm of collisions.
 fn turn_warm_start(row: &mut LinkRow, points: &[PointRow], before: &Shift) {
     let after = Shift::of(row);
     // A lane that slides no longer takes back what it got.

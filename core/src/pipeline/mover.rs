@@ -17,8 +17,8 @@ pub(crate) struct Mover {
     pub star: Lane,
     /// Velocity that gravity, force and torque give in a substep.
     pub push: Lane,
-    /// Shares that damping takes; 0 for inverse mass and locks. Not what it leaves: a factor near 1 would be rounded once
-    /// and the error raised to the number of substeps.
+    /// Shares that damping takes; 0 for inverse mass and locks. Not what it leaves: a factor near 1 would be
+    /// rounded once and the error raised to the number of substeps.
     pub loss: Lane,
     /// 1e-18 where numbers are flushed to zero, 0 for inverse mass and locks.
     pub flush: Lane,

@@ -2,7 +2,7 @@
 
 use super::SceneWorld;
 use crate::numbers::Numbers;
-use cellstep_core::math::{Pose, Rotation, Vec3, sin};
+use cellstep_core::math::{PI, Pose, Rotation, Vec3, sin};
 use cellstep_core::{AxisLocks, BodyDef, BodyHandle, BodyKind, Geometry, HullHandle, ShapeDef};
 
 /// Hulls that [`add_hulls`] registers.
@@ -20,7 +20,7 @@ pub(super) fn add_hulls(world: &mut SceneWorld<'_>, numbers: &mut Numbers) {
     ];
     world.add_hull(&wedge).expect("a hull");
     let rim: [Vec3; 24] = core::array::from_fn(|i| {
-        let turn = Rotation::from_axis_angle(Vec3::Z, (i / 2) as f32 * 0.523_598_8);
+        let turn = Rotation::from_axis_angle(Vec3::Z, (i / 2) as f32 * (PI / 6.0));
         turn.rotate(Vec3::X * 0.4) + Vec3::Z * if i % 2 == 0 { 0.1 } else { -0.1 }
     });
     world.add_hull(&rim).expect("a hull");
