@@ -1,9 +1,9 @@
 //! The core's bits on other machines: scenes that use every part of it, and numbers to compare.
 //!
-//! `.ci/cross` builds this for several architectures, runs it there, and compares every line that is printed with
-//! the one of this machine. There are three kinds of lines: the lane type operation by operation, the functions of
-//! `math.rs`, and scenes after some steps. A lane or math line that differs names the cause; a scene that differs is
-//! bisected by its `trace`.
+//! `.ci/cross` builds this for several architectures, runs it there, and compares every line that is printed
+//! with the one of this machine. There are three kinds of lines: the lane type operation by operation, the
+//! functions of `math.rs`, and scenes after some steps. A lane or math line that differs names the cause; a scene
+//! that differs is bisected by its `trace`.
 #![no_std]
 #![forbid(unsafe_code)]
 
