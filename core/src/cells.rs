@@ -38,13 +38,19 @@ mod growth;
 mod layout;
 #[cfg(test)]
 mod tests;
+mod upkeep;
 
 use adjacency::{Entry, Graph, Node};
 pub use check::{ScheduleError, check, check_words};
 use growth::{Growth, Reached, UNCAPPED};
+pub use upkeep::{
+    Change, NEW, OrderingRow, OrderingState, Report, Upkeep, upkeep_scratch_words, upkeep_words,
+};
 
 /// Marks the end of a link that does not move (static or kinematic): it makes no conflict.
 pub const IMMOVABLE: u32 = u32::MAX;
+/// Phase of a link that has none yet.
+pub const UNORDERED: u8 = u8::MAX;
 /// Most phases of any schedule.
 pub const PHASES_MAX: usize = 32;
 /// Most phases of a [`Cellular`] schedule. The last of them has no cap, hence takes whatever is left.
@@ -153,7 +159,7 @@ impl Scheduler for Cellular {
         assert!(schedule.blocks.len() >= links.len(), "the schedule has too few blocks");
         schedule.block_count = 0;
         let (mut growth, keys) = carve(bodies as usize, links, scratch);
-        let g = self.size(links.len(), &growth.graph);
+        let g = self.size(links.len(), growth.graph.dynamic_ends());
         let mut phase = 0;
         while growth.grown_count < links.len() {
             let first = schedule.block_count;
@@ -172,10 +178,11 @@ impl Scheduler for Cellular {
 
 impl Cellular {
     /// g for a scene: the setting, lowered for small scenes, then raised above the percolation threshold.
-    fn size(&self, links: usize, graph: &Graph<'_>) -> u32 {
+    /// `dynamic_ends` counts the bodies with links to dynamic bodies, and the ends of such links.
+    fn size(&self, links: usize, dynamic_ends: (u64, u64)) -> u32 {
         let small = (links / SMALL_SCENE_PARTS).max(BLOCK_LINKS_MIN);
         let wanted = u64::from(self.block_links.max(1)).min(small as u64);
-        let (bodies, ends) = graph.dynamic_ends();
+        let (bodies, ends) = dynamic_ends;
         let least = (DEGREE_FACTOR * ends).div_ceil(bodies.max(1));
         wanted.max(least).min(u64::from(u32::MAX / 2 - 1)) as u32
     }

@@ -7,16 +7,20 @@
 
 pub(crate) mod assembly;
 pub(crate) mod broadphase;
+pub(crate) mod contacts;
 pub(crate) mod finish;
 pub(crate) mod integration;
 pub(crate) mod layout;
+pub(crate) mod meeting;
 pub(crate) mod mover;
 pub(crate) mod narrowphase;
+pub(crate) mod ordering;
+pub(crate) mod rows;
 pub(crate) mod seat;
 pub(crate) mod solver;
 pub(crate) mod tasks;
 
-use crate::cells::{self, IMMOVABLE, Link, Scheduler};
+use crate::cells::{IMMOVABLE, Scheduler};
 use crate::collide::Solid;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
@@ -53,7 +57,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     regions: &mut Regions<'_>,
     settings: &Settings,
     executor: &mut E,
-    scheduler: &mut S,
+    scheduler: Option<&mut S>,
 ) -> StepReport {
     let Regions { assets, state, cache, scratch } = regions;
     let mut counts = Counts::default();
@@ -65,28 +69,29 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     crew.executor.enter(Stage::Broadphase);
     broadphase::run(state, assets, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Narrowphase);
-    narrowphase::run(state, assets, scratch, (&mut crew, &mut counts));
+    let change = narrowphase::run(state, assets, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
     let bodies = activate(state, scratch);
     crew.executor.enter(Stage::Ordering);
-    let plan = order(state, scratch, bodies, scheduler);
+    let change = (&change, settings.block_links, bodies);
+    let plan = ordering::run(state, (cache, scratch), change, scheduler);
     crew.executor.enter(Stage::Assembly);
     assembly::prepare_bodies(state, scratch, (settings, bodies), &mut crew);
-    assembly::fill(state, scratch, (settings, &plan), &mut crew);
+    assembly::fill(state, (cache, scratch), (settings, &plan), &mut crew);
     crew.executor.enter(Stage::Solve);
     let mut rows = solver::Rows {
         plan: &plan,
-        groups: &scratch.groups[..plan.groups],
+        groups: &cache.groups[..plan.groups],
         links: scratch.link_rows,
         points: scratch.point_rows,
         seats: scratch.seats,
-        sources: scratch.seat_sources,
+        sources: cache.seat_sources,
         movers: scratch.movers,
     };
     solver::solve(&mut rows, settings, &mut crew);
     crew.executor.enter(Stage::Finish);
-    finish::index_points(&scratch.groups[..plan.groups], scratch.link_rows, scratch.row_points);
-    finish::run(state, scratch, (&plan, settings.dt), (&mut crew, &mut counts));
+    finish::index_points(&cache.groups[..plan.groups], scratch.link_rows, scratch.row_points);
+    finish::run(state, (cache, scratch), (&plan, settings.dt), (&mut crew, &mut counts));
     crew.executor.leave();
     report(state, Some(&plan), (bodies as u32, &counts, crew.barriers))
 }
@@ -103,47 +108,8 @@ fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
             count += 1;
         }
     }
-    for i in 0..header.contacts as usize {
-        let touch = &scratch.touches[scratch.contact_touch[i] as usize];
-        let [a, b] = touch.sides().map(|slot| scratch.active_of[slot as usize]);
-        // Links with more points first: neighbours in a lane should have as many.
-        scratch.links[i] = Link { a, b, kind: 4 - touch.row.points };
-    }
+    ordering::write_links(state, scratch);
     count
-}
-
-/// Orders the links and lays them out in seats and lanes.
-fn order<S: Scheduler>(
-    state: &State<'_>,
-    scratch: &mut Scratch<'_>,
-    bodies: usize,
-    scheduler: &mut S,
-) -> Plan {
-    let count = state.header[0].contacts as usize;
-    let links = &scratch.links[..count];
-    let mut schedule =
-        cells::Schedule { order: &mut scratch.order[..count], blocks: scratch.blocks, block_count: 0 };
-    scheduler.schedule(bodies as u32, links, scratch.ordering, &mut schedule);
-    let block_count = schedule.block_count;
-    let schedule = layout::Schedule {
-        links,
-        order: &scratch.order[..count],
-        blocks: &scratch.blocks[..block_count],
-        bodies: bodies as u32,
-    };
-    let mut tables = layout::Tables {
-        groups: scratch.groups,
-        lane_contacts: scratch.lane_contacts,
-        lane_seats: scratch.lane_seats,
-        contact_places: scratch.contact_places,
-        seat_sources: scratch.seat_sources,
-        seat_bodies: scratch.seat_bodies,
-        last_seats: scratch.last_seats,
-        phase_seats: scratch.phase_seats,
-        first_seats: scratch.first_seats,
-        block_chains: scratch.block_chains,
-    };
-    layout::lay_out(&schedule, &mut tables, |contact| 4 - links[contact as usize].kind)
 }
 
 fn report(

@@ -6,13 +6,14 @@
 
 use crate::arena::region;
 use crate::body::{BodyRow, Motion};
-use crate::cells::{Block, Link};
+use crate::cells::{self, Block, Link, OrderingRow};
 use crate::collide::{Edge, Face, Hull, Mesh, Plane, Triangle, tree};
 use crate::collide::{HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX};
 use crate::config::SettingsRow;
 use crate::constraint::row::{LinkRow, PointRow};
+use crate::lanes::Words;
 use crate::math::{Aabb, Rotation, Vec3};
-use crate::pipeline::layout::{Group, seats_max};
+use crate::pipeline::layout::{Group, Plan, seats_max};
 use crate::pipeline::mover::Mover;
 use crate::pipeline::seat::Seat;
 use crate::pool::{Marks, words};
@@ -61,9 +62,15 @@ pub(crate) struct ContactRow {
     /// Part of a concave shape.
     pub child: u32,
     /// Points, 1..=4.
-    pub points: u32,
-    /// Features of the points.
-    pub features: [u32; 4],
+    pub points: u8,
+    /// Phase of the ordering, or `cells::UNORDERED`.
+    pub phase: u8,
+    /// 1 when the contact is settled: `memory` is the pose at which its points were found, and they are found anew
+    /// only when the shapes have moved away from it. Else 0, and `memory` holds the features of the points.
+    pub settled: u8,
+    /// Zero.
+    pub reserved: u8,
+    pub memory: [u32; 5],
     /// Normal impulses of the points, N s, not negative.
     pub impulses: [f32; 4],
     /// Friction impulse on the body of shape B, N s, in the world.
@@ -94,6 +101,9 @@ region! {
         pairs: Pair = c.pairs as usize,
         /// Sorted by key, distinct.
         contacts: ContactRow = c.contacts as usize,
+        ordering: OrderingRow = 1,
+        /// Changes of the ordering near each body.
+        dirt: u8 = c.bodies as usize,
     }
 }
 
@@ -121,6 +131,8 @@ pub(crate) struct HullRow {
     pub loops: [u8; 2 * HULL_EDGES_MAX],
     pub edges: [Edge; HULL_EDGES_MAX],
     pub center: Vec3,
+    /// Of the farthest vertex from the origin, m2.
+    pub radius_squared: f32,
     pub vertex_count: u32,
     pub face_count: u32,
     pub loop_count: u32,
@@ -210,9 +222,18 @@ pub(crate) struct CacheHeader {
     pub static_stamp: u64,
     /// 1 when the tree of moving shapes fits the boxes in the state.
     pub moving_fits: u32,
+    /// 1 when the memos are those of the contacts in the state.
+    pub memos_fit: u32,
+    /// Which half of the memos is in use: 0 or 1.
+    pub memo_half: u32,
+    /// Number of links that are laid out, plus 1; 0 when there is no layout.
+    pub laid_out: u32,
+    /// Number of bodies in the layout.
+    pub laid_out_bodies: u32,
     pub static_leaves: u32,
     pub moving_leaves: u32,
-    pub reserved: u32,
+    /// 1 when `ordering` is that of the contacts in the state.
+    pub ordering_fits: u32,
     /// Sector in which both trees count their coordinates.
     pub sector: [i32; 3],
     pub reserved_2: u32,
@@ -226,59 +247,103 @@ region! {
         static_order: u32 = c.shapes as usize,
         moving_nodes: Aabb = tree::node_count(c.shapes as usize),
         moving_order: u32 = c.shapes as usize,
+        /// Of the contacts, in two halves of which one is in use.
+        memos: Memo = 2 * c.contacts as usize,
+        /// What follows from the ordering in the state.
+        ordering: u32 = cells::upkeep_words(c.bodies as usize, c.contacts as usize),
+        /// The links that are laid out.
+        links: Link = c.contacts as usize,
+        plan: Plan = 1,
+        groups: Group = crate::pipeline::layout::groups_max(c),
+        /// Contact of each lane of each row; `u32::MAX` for none.
+        lane_contacts: [u32; 8] = c.contacts as usize,
+        /// Seats of bodies A and then B of each lane of each row, from the group's first.
+        lane_seats: [u32; 16] = c.contacts as usize,
+        /// Where a contact was placed: row * 8 + lane.
+        contact_places: u32 = c.contacts as usize,
+        seat_sources: u32 = seats_max(c),
+        /// Active body of each seat; `u32::MAX` for the scratch seats of lanes.
+        seat_bodies: u32 = seats_max(c),
+        /// The seat that has the body last, by active body.
+        last_seats: u32 = c.bodies as usize,
+        /// The seat of phase 0, by active body.
+        first_seats: u32 = c.bodies as usize,
     }
 }
 
-/// A manifold found in this step, in the world's axes.
+/// Points of a contact in the frames of its shapes: what they are in the world follows from the poses.
+///
+/// A is the side that the solver calls A; see [`Touch`]. Unused points are zero.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Memo {
+    /// Unit normal from A to B in A's frame.
+    pub normal: Vec3,
+    /// Zero.
+    pub reserved: f32,
+    /// The points on A's surface, in A's frame.
+    pub on_a: [Vec3; 4],
+    /// The points on B's surface, in B's frame.
+    pub on_b: [Vec3; 4],
+    /// Settled contact: features of the points. Else the bits of their separations, metres.
+    pub tail: [u32; 4],
+}
+
+/// What a contact is in this step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Touch {
-    pub row: ContactRow,
-    /// Slots of the bodies of shapes A and B.
-    pub bodies: [u32; 2],
-    /// From A to B.
-    pub normal: Vec3,
-    /// Points relative to the center of mass of body A.
-    pub anchors: [Vec3; 4],
-    /// Metres; negative when they overlap.
-    pub separations: [f32; 4],
-    /// From the center of body A to that of body B.
-    pub centers: Vec3,
+    /// Slots of the shapes in the solver's order: A's body is dynamic, and the rounder one of two dynamic ones.
+    pub shapes: [u32; 2],
     pub friction: f32,
     pub restitution: f32,
-    /// 1 when the contact was there in the step before.
-    pub kept: u32,
-    /// 1 when the solver's body A is that of shape B; see [`Touch::sides`].
-    pub exchanged: u32,
+    /// From the center of body A to that of body B.
+    pub centers: Vec3,
+    /// 1 when the separations follow from the memo's points and the poses; 0 when the memo gives them.
+    pub settled: f32,
 }
 
 impl Touch {
-    /// Slots of the bodies in the solver's order: A is dynamic, and the rounder one of two dynamic bodies.
-    pub fn sides(&self) -> [u32; 2] {
-        let [a, b] = self.bodies;
-        if self.exchanged == 0 { [a, b] } else { [b, a] }
-    }
-
-    /// -1 when the sides are exchanged: the sign of normal and friction in the solver's order.
+    /// -1 when the solver's order is not that of the slots: the sign of what is stored for the body of the
+    /// higher slot.
     pub fn sign(&self) -> f32 {
-        if self.exchanged == 0 { 1.0 } else { -1.0 }
+        if self.shapes[0] < self.shapes[1] { 1.0 } else { -1.0 }
     }
 }
 
-/// A body that takes part in the solve.
+/// A contact that begins.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Birth {
+    pub row: ContactRow,
+    /// Contacts of the step before that come before it.
+    pub before: u32,
+    pub memo: Memo,
+    pub touch: Touch,
+}
+
+/// A body that takes part in the solve: three rows of lanes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Active {
-    /// W with W W = inverse inertia, about the world's axes at the start of the step: xx, yy, zz, xy, xz, yz.
-    pub root: [f32; 6],
+    /// Velocity at the start of the step, m/s.
+    pub linear: Vec3,
     /// 1/kg.
     pub inverse_mass: f32,
-    /// Bits 0..3: world axes along which the body does not move.
-    pub locks: u32,
-    /// Velocity gained from gravity and force in a substep, m/s.
-    pub push: Vec3,
+    /// Angular velocity in the world, rad/s.
+    pub angular: Vec3,
+    /// World axes along which the body does not move, as x + 2 y + 4 z.
+    pub locks: f32,
+    /// W with W W = inverse inertia, about the world's axes at the start of the step: xx, yy, zz, xy, xz, yz.
+    pub root: [f32; 6],
     /// Slot of the body.
     pub body: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// Velocity gained from gravity and force in a substep, m/s.
+    pub push: Vec3,
+    /// Zero.
+    pub reserved_2: [u32; 5],
 }
 
 region! {
@@ -293,43 +358,37 @@ region! {
         is_moved: u8 = c.shapes as usize,
         /// Pairs found for moved shapes, twice the capacity so that the best can be chosen.
         found: u64 = 2 * c.pairs as usize,
-        /// First touch of each pair.
-        pair_first: u32 = c.pairs as usize + 1,
-        touches: Touch = c.pairs as usize + c.contacts as usize,
-        /// Touch of each contact.
-        contact_touch: u32 = c.contacts as usize,
-        /// Touches that compete for room.
-        candidates: u32 = c.pairs as usize + c.contacts as usize,
+        /// Frames of the shapes in world axes, from their bodies' centers: `[position, 0, rotation]`.
+        frames: Words = c.shapes as usize,
+        /// Contacts that begin, in runs by pair.
+        births: Birth = c.pairs as usize + c.contacts as usize,
+        /// Of the contacts of the step before; then, if some began or ended, of those of this one.
+        touches: Touch = c.contacts as usize,
+        touches_before: Touch = c.contacts as usize,
+        rows_before: ContactRow = c.contacts as usize,
+        /// Index of each contact in the step before, or `NEW`.
+        contact_from: u32 = c.contacts as usize,
+        /// Bodies of the contacts that ended.
+        lost: [u32; 2] = c.contacts as usize,
         /// Index among the active bodies by slot; `u32::MAX` for none.
         active_of: u32 = c.bodies as usize,
         active: Active = c.bodies as usize,
         links: Link = c.contacts as usize,
+        /// The same links between slots of bodies.
+        slot_links: Link = c.contacts as usize,
+        phases: u8 = c.contacts as usize,
         order: u32 = c.contacts as usize,
         blocks: Block = c.contacts as usize,
-        ordering: u32 = crate::cells::scratch_words(c.bodies as usize, c.contacts as usize),
-        groups: Group = crate::pipeline::layout::groups_max(c),
-        /// Contact of each lane of each row; `u32::MAX` for none.
-        lane_contacts: [u32; 8] = c.contacts as usize,
-        /// Seats of bodies A and then B of each lane of each row, from the group's first.
-        lane_seats: [u32; 16] = c.contacts as usize,
+        ordering: u32 = cells::upkeep_scratch_words(c.bodies as usize, c.contacts as usize),
         link_rows: LinkRow = c.contacts as usize,
         point_rows: PointRow = 4 * c.contacts as usize,
         seats: Seat = seats_max(c),
-        seat_sources: u32 = seats_max(c),
-        /// Active body of each seat; `u32::MAX` for the scratch seats of lanes.
-        seat_bodies: u32 = seats_max(c),
-        /// The seat that has the body last, by active body.
-        last_seats: u32 = c.bodies as usize,
-        /// The seat of phase 0, by active body.
-        first_seats: u32 = c.bodies as usize,
         /// First point of each row.
         row_points: u32 = c.contacts as usize,
         /// Chain of each block of the phase that is laid out.
         block_chains: u32 = c.contacts as usize,
         /// The body's seat in the phase that is laid out, by active body.
         phase_seats: u32 = c.bodies as usize,
-        /// Where a contact was placed: row * 8 + lane.
-        contact_places: u32 = c.contacts as usize,
         movers: Mover = seats_max_first(c),
         /// For registering a mesh.
         mesh_words: u64 = crate::collide::mesh::scratch_len(c.mesh_triangles as usize),

@@ -172,8 +172,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
 
     /// Takes one step of [`Settings::dt`] seconds. Cannot fail; what could not be done is counted in the report.
     pub fn step(&mut self, executor: &mut impl Executor) -> StepReport {
-        let mut scheduler = Cellular { block_links: self.settings().block_links };
-        self.step_scheduled(executor, &mut scheduler)
+        self.step_with(executor, None::<&mut Cellular>)
     }
 
     /// Takes one step with another ordering of the links than the cellular one: for comparing orderings.
@@ -184,6 +183,14 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         &mut self,
         executor: &mut impl Executor,
         scheduler: &mut impl Scheduler,
+    ) -> StepReport {
+        self.step_with(executor, Some(scheduler))
+    }
+
+    fn step_with(
+        &mut self,
+        executor: &mut impl Executor,
+        scheduler: Option<&mut impl Scheduler>,
     ) -> StepReport {
         let settings = self.settings();
         if cfg!(debug_assertions) {

@@ -3,7 +3,7 @@
 
 extern crate std;
 
-mod graphs;
+pub(super) mod graphs;
 mod reference;
 mod rejected;
 

@@ -1,4 +1,4 @@
-//! Projected Gauss-Seidel on contacts, eight lanes at once (SEED S9 to S12).
+//! Projected Gauss-Seidel on contacts, lane by lane (SEED S9 to S12).
 //!
 //! Every update is used at once and clamped to its bounds: `lambda >= 0` along the normal, a disc
 //! `|lambda_t| <= mu sum(lambda_n)` for the tangents of the patch, and the same times the patch's radius for the
@@ -7,8 +7,8 @@
 //! Legend: `va, wa, ma` are velocity, whitened angular velocity and inverse mass of body A; `n` the normal, `t`
 //! and `s` the tangents; `h` the substep.
 
-use super::row::{LinkRow, PointRow};
-use crate::lanes::{LANES, Lane, LaneVec, Mask, transpose};
+use super::row::{Bias, LinkPart, LinkRow, PointPart, PointRow};
+use crate::lanes::{Lane, LaneVec, Mask, PARTS, WIDTH, transpose, transpose_back};
 use crate::pipeline::seat::Seat;
 
 /// What a sweep does at each row.
@@ -34,8 +34,7 @@ pub(crate) struct Sweep {
     pub pass: Pass,
     /// Substep, seconds.
     pub substep: f32,
-    /// Fastest push-out, m/s.
-    pub push_speed: f32,
+    pub bias: Bias,
     /// Approach below which nothing bounces, m/s.
     pub restitution_threshold: f32,
 }
@@ -60,35 +59,86 @@ pub(crate) fn visit(sweep: &Sweep, rows: &mut [LinkRow], points: &mut [PointRow]
     for row in rows {
         let (points, after) = rest.split_at_mut(row.points as usize);
         rest = after;
-        visit_row(sweep, row, points, seats);
+        if sweep.pass == Pass::Bounce && row.bounces == 0 {
+            continue;
+        }
+        for index in 0..PARTS {
+            visit_part(sweep, row, (points, index), seats);
+        }
     }
 }
 
-fn visit_row(sweep: &Sweep, row: &mut LinkRow, points: &mut [PointRow], seats: &mut [Seat]) {
+/// What a row has beside resting contacts of free bodies.
+#[derive(Clone, Copy)]
+struct Traits {
+    bounces: bool,
+    locked: bool,
+    uneven: bool,
+    surfaces: bool,
+}
+
+/// The points of a row, as one part of its lanes sees them.
+struct Points<'a> {
+    rows: &'a mut [PointRow],
+    part: usize,
+}
+
+impl Points<'_> {
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = &PointPart> {
+        self.rows.iter().map(|row| &row.parts[self.part])
+    }
+
+    #[inline(always)]
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut PointPart> {
+        self.rows.iter_mut().map(|row| &mut row.parts[self.part])
+    }
+
+    #[inline(always)]
+    fn load(&self) -> Lane {
+        self.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse)
+    }
+}
+
+fn visit_part(
+    sweep: &Sweep,
+    row: &mut LinkRow,
+    (points, index): (&mut [PointRow], usize),
+    seats: &mut [Seat],
+) {
+    let traits = Traits {
+        bounces: row.bounces != 0,
+        locked: row.locked != 0,
+        uneven: row.uneven != 0,
+        surfaces: row.surfaces != 0,
+    };
+    let lanes = index * WIDTH..(index + 1) * WIDTH;
+    let (seats_a, seats_b) = (&row.seats_a[lanes.clone()], &row.seats_b[lanes]);
+    let link = &mut row.parts[index];
+    let mut points = Points { rows: points, part: index };
     if matches!(sweep.pass, Pass::Relax | Pass::Follow) {
-        follow(row, points, seats, sweep.substep);
+        if follow(link, (&mut points, traits), (seats_a, seats_b, seats), sweep) {
+            row.turns |= 1 << index;
+        }
         if sweep.pass == Pass::Follow {
             return;
         }
     }
-    if sweep.pass == Pass::Bounce && row.bounces == 0 {
-        return;
-    }
-    let shift = Shift::of(row);
-    let mut u = Velocities::gather(row, seats);
+    let shift = Shift::of(link);
+    let mut u = Velocities::gather((seats_a, seats_b), seats, traits.locked);
     match sweep.pass {
-        Pass::Warm => warm(&mut u, row, points),
-        Pass::Bounce => bounce(&mut u, row, points, (sweep, &shift)),
+        Pass::Warm => warm(&mut u, link, &points),
+        Pass::Bounce => bounce(&mut u, link, (&mut points, traits), (sweep, &shift)),
         _ => {
-            if row.turns != 0 && sweep.pass == Pass::Biased {
-                u.wb = u.wb + row.turn;
-                row.turns = 0;
+            if row.turns >> index & 1 != 0 && sweep.pass == Pass::Biased {
+                u.wb = u.wb + link.turn;
+                row.turns &= !(1 << index);
             }
-            solve_friction(&mut u, row, points, &shift);
-            solve_normals(&mut u, row, points, (sweep, &shift));
+            solve_friction(&mut u, link, points.load(), (&shift, traits.surfaces));
+            solve_normals(&mut u, link, (&mut points, traits), (sweep, &shift));
         }
     }
-    u.scatter(row, seats);
+    u.scatter((seats_a, seats_b), seats);
 }
 
 /// How B's jacobians change because the point of contact went with A: `r = r0 - slide`, so
@@ -104,8 +154,8 @@ struct Shift {
 
 impl Shift {
     #[inline(always)]
-    fn of(row: &LinkRow) -> Self {
-        let slides = row.slide.dot(row.slide).greater(row.slide_min);
+    fn of(link: &LinkPart) -> Self {
+        let slides = link.slide.dot(link.slide).greater(link.slide_min);
         let mut shift = Self {
             normal: LaneVec::ZERO,
             first: LaneVec::ZERO,
@@ -114,10 +164,10 @@ impl Shift {
             any: slides.any(),
         };
         if shift.any {
-            let turn = |direction: LaneVec| root_times(&row.root_b, direction.cross(row.slide));
-            shift.normal = turn(row.normal);
-            shift.first = turn(row.tangent);
-            shift.second = turn(row.normal.cross(row.tangent));
+            let turn = |direction: LaneVec| root_times(&link.root_b, direction.cross(link.slide));
+            shift.normal = turn(link.normal);
+            shift.first = turn(link.tangent);
+            shift.second = turn(link.normal.cross(link.tangent));
         }
         shift
     }
@@ -125,48 +175,40 @@ impl Shift {
     /// A lane's result depends on that lane alone: `any` only saves work.
     #[inline(always)]
     fn apply(&self, jacobian: LaneVec, change: LaneVec) -> LaneVec {
-        if !self.any {
-            return jacobian;
-        }
-        let sum = jacobian + change;
-        LaneVec::new(
-            self.slides.select(sum.x, jacobian.x),
-            self.slides.select(sum.y, jacobian.y),
-            self.slides.select(sum.z, jacobian.z),
-        )
+        if self.any { jacobian + self.slides.keep_vec(change) } else { jacobian }
     }
 
-    /// 1 / (J M^-1 Jt) of a point with the jacobian `jb`. A longer arm yields more: with the mass of the shorter
-    /// one a sweep would overshoot, and bodies that slide along each other for longer than their arms would
+    /// What the mass of a point is divided by for the jacobian `jb`. A longer arm yields more: with the mass of the
+    /// shorter one a sweep would overshoot, and bodies that slide along each other for longer than their arms would
     /// explode.
     #[inline(always)]
-    fn mass(&self, point: &PointRow, jb: LaneVec) -> Lane {
+    fn mass(&self, (point, mass): (&PointPart, Lane), jb: LaneVec) -> Lane {
         if !self.any {
-            return point.mass;
+            return mass;
         }
         let more = jb.dot(jb) - point.normal_b.dot(point.normal_b);
         // Never 0: where the bodies hardly move but by turning, the rest is rounding.
-        let sum = (Lane::splat(1.0) + point.mass * more).greatest(Lane::splat(1.0e-3));
-        self.slides.select(point.mass / sum, point.mass)
+        let sum = (Lane::splat(1.0) + mass * more).greatest(Lane::splat(1.0e-3));
+        self.slides.select(mass / sum, mass)
     }
 
     /// The same for both tangents, by the trace of what their 2x2 block gains.
     #[inline(always)]
-    fn friction_mass(&self, row: &LinkRow, (first_b, second_b): (LaneVec, LaneVec)) -> Lane {
+    fn friction_mass(&self, link: &LinkPart, (first_b, second_b): (LaneVec, LaneVec)) -> Lane {
         if !self.any {
-            return row.friction_mass;
+            return link.friction_mass;
         }
         let now = first_b.dot(first_b) + second_b.dot(second_b);
-        let before = row.first_b.dot(row.first_b) + row.second_b.dot(row.second_b);
+        let before = link.first_b.dot(link.first_b) + link.second_b.dot(link.second_b);
         let more = (now - before).greatest(Lane::ZERO);
-        let sum = Lane::splat(1.0) + row.friction_mass * more;
-        self.slides.select(row.friction_mass / sum, row.friction_mass)
+        let sum = Lane::splat(1.0) + link.friction_mass * more;
+        self.slides.select(link.friction_mass / sum, link.friction_mass)
     }
 }
 
 /// A symmetric matrix (diagonal, then xy, xz, yz) times a vector.
 #[inline(always)]
-fn root_times(root: &[LaneVec; 2], v: LaneVec) -> LaneVec {
+pub(crate) fn root_times(root: &[LaneVec; 2], v: LaneVec) -> LaneVec {
     let [d, o] = root;
     LaneVec::new(
         d.x * v.x + o.x * v.y + o.y * v.z,
@@ -177,13 +219,13 @@ fn root_times(root: &[LaneVec; 2], v: LaneVec) -> LaneVec {
 
 impl Velocities {
     #[inline(always)]
-    fn gather(row: &LinkRow, seats: &[Seat]) -> Self {
-        let a = transpose(core::array::from_fn(|i| seats[row.seats_a[i] as usize].velocity));
-        let b = transpose(core::array::from_fn(|i| seats[row.seats_b[i] as usize].velocity));
-        let (ma, mb) = if row.locked == 0 {
-            (LaneVec::new(a[3], a[3], a[3]), LaneVec::new(b[3], b[3], b[3]))
-        } else {
+    fn gather((seats_a, seats_b): (&[u32], &[u32]), seats: &[Seat], locked: bool) -> Self {
+        let a = transpose(core::array::from_fn(|i| seats[seats_a[i] as usize].velocity));
+        let b = transpose(core::array::from_fn(|i| seats[seats_b[i] as usize].velocity));
+        let (ma, mb) = if locked {
             (free_axes(a[7]).times(a[3]), free_axes(b[7]).times(b[3]))
+        } else {
+            (LaneVec::new(a[3], a[3], a[3]), LaneVec::new(b[3], b[3], b[3]))
         };
         Self {
             va: LaneVec::new(a[0], a[1], a[2]),
@@ -198,15 +240,15 @@ impl Velocities {
     }
 
     #[inline(always)]
-    fn scatter(&self, row: &LinkRow, seats: &mut [Seat]) {
+    fn scatter(&self, (seats_a, seats_b): (&[u32], &[u32]), seats: &mut [Seat]) {
         // Each body is in one lane only, and scratch seats are the lane's own: no write meets another.
         let (va, wa, [m, l]) = (self.va, self.wa, self.rest_a);
-        let a = transpose([va.x, va.y, va.z, m, wa.x, wa.y, wa.z, l]);
+        let a = transpose_back([va.x, va.y, va.z, m, wa.x, wa.y, wa.z, l]);
         let (vb, wb, [m, l]) = (self.vb, self.wb, self.rest_b);
-        let b = transpose([vb.x, vb.y, vb.z, m, wb.x, wb.y, wb.z, l]);
-        for i in 0..LANES {
-            seats[row.seats_a[i] as usize].velocity = a[i];
-            seats[row.seats_b[i] as usize].velocity = b[i];
+        let b = transpose_back([vb.x, vb.y, vb.z, m, wb.x, wb.y, wb.z, l]);
+        for i in 0..WIDTH {
+            seats[seats_a[i] as usize].velocity = a[i];
+            seats[seats_b[i] as usize].velocity = b[i];
         }
     }
 
@@ -222,8 +264,7 @@ impl Velocities {
         let p = d.times(x);
         self.va = self.va - p.each_times(self.ma);
         self.vb = self.vb + p.each_times(self.mb);
-        self.wa = self.wa - ja.times(x);
-        self.wb = self.wb + jb.times(x);
+        self.apply_torque(ja, jb, x);
     }
 
     /// Applies a pure torque impulse `x` about a shared axis.
@@ -236,7 +277,7 @@ impl Velocities {
 
 /// 1 for each axis along which a body moves, 0 for a locked one; locks are a number, x + 2 y + 4 z.
 #[inline(always)]
-fn free_axes(locks: Lane) -> LaneVec {
+pub(crate) fn free_axes(locks: Lane) -> LaneVec {
     let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
     let z = locks.greater(Lane::splat(3.5));
     let locks = locks - z.select(Lane::splat(4.0), zero);
@@ -246,85 +287,94 @@ fn free_axes(locks: Lane) -> LaneVec {
     LaneVec::new(x.select(zero, one), y.select(zero, one), z.select(zero, one))
 }
 
-/// Brings separations and the slide to the end of the substep.
-fn follow(row: &mut LinkRow, points: &mut [PointRow], seats: &[Seat], substep: f32) {
-    let shift = Shift::of(row);
-    let a = transpose(core::array::from_fn(|i| seats[row.seats_a[i] as usize].moved));
-    let b = transpose(core::array::from_fn(|i| seats[row.seats_b[i] as usize].moved));
+/// Brings separations and the slide to the end of the substep. True when the warm start has to be turned.
+fn follow(
+    link: &mut LinkPart,
+    (points, traits): (&mut Points<'_>, Traits),
+    (seats_a, seats_b, seats): (&[u32], &[u32], &[Seat]),
+    sweep: &Sweep,
+) -> bool {
+    let shift = Shift::of(link);
+    let a = transpose(core::array::from_fn(|i| seats[seats_a[i] as usize].moved));
+    let b = transpose(core::array::from_fn(|i| seats[seats_b[i] as usize].moved));
     let moved = LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     let (ta, tb) = (LaneVec::new(a[4], a[5], a[6]), LaneVec::new(b[4], b[5], b[6]));
-    let along = row.normal.dot(moved);
-    let h = Lane::splat(substep);
+    let along = link.normal.dot(moved);
+    let h = Lane::splat(sweep.substep);
     for point in points.iter_mut() {
         let jb = shift.apply(point.normal_b, shift.normal);
-        let turned = jb.dot(tb) - point.normal_a.dot(ta);
-        let change = along + turned + point.surface * h;
-        // A lane without this point keeps its zeros: `press_together` sums what the points want.
-        let real = point.mass.greater(Lane::ZERO);
-        point.separation = real.select(point.separation + change, point.separation);
+        let mut change = along + (jb.dot(tb) - point.normal_a.dot(ta));
+        if traits.surfaces {
+            change = change + point.surface * h;
+        }
+        if traits.uneven {
+            // A lane without this point keeps its zeros: `press_together` sums what the points want.
+            change = point.mass.greater(Lane::ZERO).keep(change);
+        }
+        point.separation = point.separation + change;
+        point.aim(link, sweep.bias);
     }
     // Against an immovable body the point rides on the moving one: its arm stays.
-    row.slide = row.slide + moved;
-    turn_warm_start(row, points, &shift);
+    link.slide = link.slide + moved;
+    turn_warm_start(link, points, &shift)
 }
 
 /// The impulses so far are the next substep's warm start, and come as the change of velocity that they made
 /// with the arms of this one. Notes what B's new arms change of it: without that a hard blow between bodies
 /// that slide leaks angular momentum, 1e-3 of all in a storm of collisions.
-fn turn_warm_start(row: &mut LinkRow, points: &[PointRow], before: &Shift) {
-    let after = Shift::of(row);
+fn turn_warm_start(link: &mut LinkPart, points: &Points<'_>, before: &Shift) -> bool {
+    let after = Shift::of(link);
     // A lane that slides no longer takes back what it got.
     if !before.any && !after.any {
-        return;
+        return false;
     }
-    let load = points.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse);
     let none = LaneVec::ZERO;
     let change = |old: LaneVec, new: LaneVec, impulse: Lane| {
         (after.apply(none, new) - before.apply(none, old)).times(impulse)
     };
-    row.turn = change(before.normal, after.normal, load)
-        + change(before.first, after.first, row.first_impulse)
-        + change(before.second, after.second, row.second_impulse);
-    row.turns = 1;
+    link.turn = change(before.normal, after.normal, points.load())
+        + change(before.first, after.first, link.first_impulse)
+        + change(before.second, after.second, link.second_impulse);
+    true
 }
 
-fn warm(u: &mut Velocities, row: &LinkRow, points: &[PointRow]) {
-    let second = row.normal.cross(row.tangent);
-    for point in points {
-        u.apply(row.normal, (point.normal_a, point.normal_b), point.impulse);
+fn warm(u: &mut Velocities, link: &LinkPart, points: &Points<'_>) {
+    let second = link.normal.cross(link.tangent);
+    for point in points.iter() {
+        u.apply(link.normal, (point.normal_a, point.normal_b), point.impulse);
     }
-    u.apply(row.tangent, (row.first_a, row.first_b), row.first_impulse);
-    u.apply(second, (row.second_a, row.second_b), row.second_impulse);
-    u.apply_torque(row.twist_a, row.twist_b, row.twist_impulse);
+    u.apply(link.tangent, (link.first_a, link.first_b), link.first_impulse);
+    u.apply(second, (link.second_a, link.second_b), link.second_impulse);
+    u.apply_torque(link.twist_a, link.twist_b, link.twist_impulse);
 }
 
 /// The tangents as one disc, then the twist.
 #[inline(always)]
-fn solve_friction(u: &mut Velocities, row: &mut LinkRow, points: &[PointRow], shift: &Shift) {
-    let load = points.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse);
-    let limit = row.friction * load;
-    let second = row.normal.cross(row.tangent);
-    let first_b = shift.apply(row.first_b, shift.first);
-    let second_b = shift.apply(row.second_b, shift.second);
+fn solve_friction(u: &mut Velocities, link: &mut LinkPart, load: Lane, (shift, surfaces): (&Shift, bool)) {
+    let limit = link.friction * load;
+    let second = link.normal.cross(link.tangent);
+    let first_b = shift.apply(link.first_b, shift.first);
+    let second_b = shift.apply(link.second_b, shift.second);
+    let surface = if surfaces { link.surface } else { LaneVec::ZERO };
 
-    let friction_mass = shift.friction_mass(row, (first_b, second_b));
-    let x = row.first_impulse - friction_mass * (u.rate(row.tangent, row.first_a, first_b) + row.surface.x);
-    let y = row.second_impulse - friction_mass * (u.rate(second, row.second_a, second_b) + row.surface.y);
+    let friction_mass = shift.friction_mass(link, (first_b, second_b));
+    let x = link.first_impulse - friction_mass * (u.rate(link.tangent, link.first_a, first_b) + surface.x);
+    let y = link.second_impulse - friction_mass * (u.rate(second, link.second_a, second_b) + surface.y);
     let size = (x * x + y * y).sqrt();
     let outside = size.greater(limit);
-    let scale = outside.select(limit / outside.select(size, Lane::splat(1.0)), Lane::splat(1.0));
-    let x = (x * scale).finite_or(row.first_impulse).flushed();
-    let y = (y * scale).finite_or(row.second_impulse).flushed();
-    u.apply(row.tangent, (row.first_a, first_b), x - row.first_impulse);
-    u.apply(second, (row.second_a, second_b), y - row.second_impulse);
-    (row.first_impulse, row.second_impulse) = (x, y);
+    let one = Lane::splat(1.0);
+    let scale = outside.select(limit / outside.select(size, one), one);
+    let (x, y) = ((x * scale).finite().flushed(), (y * scale).finite().flushed());
+    u.apply(link.tangent, (link.first_a, first_b), x - link.first_impulse);
+    u.apply(second, (link.second_a, second_b), y - link.second_impulse);
+    (link.first_impulse, link.second_impulse) = (x, y);
 
-    let limit = limit * row.radius;
-    let rate = row.twist_b.dot(u.wb) - row.twist_a.dot(u.wa) + row.surface.z;
-    let z = row.twist_impulse - row.twist_mass * rate;
-    let z = z.least(limit).greatest(-limit).finite_or(row.twist_impulse).flushed();
-    u.apply_torque(row.twist_a, row.twist_b, z - row.twist_impulse);
-    row.twist_impulse = z;
+    let limit = limit * link.radius;
+    let rate = link.twist_b.dot(u.wb) - link.twist_a.dot(u.wa) + surface.z;
+    let z = link.twist_impulse - link.twist_mass * rate;
+    let z = z.least(limit).greatest(-limit).finite().flushed();
+    u.apply_torque(link.twist_a, link.twist_b, z - link.twist_impulse);
+    link.twist_impulse = z;
 }
 
 /// The relative motion along the normal, kept as one number while the points of a row are solved.
@@ -340,8 +390,8 @@ struct Line<'a> {
 
 impl<'a> Line<'a> {
     #[inline(always)]
-    fn new(u: &'a mut Velocities, row: &LinkRow) -> Self {
-        let n = row.normal;
+    fn new(u: &'a mut Velocities, link: &LinkPart) -> Self {
+        let n = link.normal;
         let speed = n.dot(u.vb - u.va);
         let yields = n.dot(n.each_times(u.ma + u.mb));
         Self { u, speed, yields, sum: Lane::ZERO }
@@ -362,32 +412,41 @@ impl<'a> Line<'a> {
     }
 
     #[inline(always)]
-    fn finish(self, row: &LinkRow) {
-        let p = row.normal.times(self.sum);
+    fn finish(self, link: &LinkPart) {
+        let p = link.normal.times(self.sum);
         self.u.va = self.u.va - p.each_times(self.u.ma);
         self.u.vb = self.u.vb + p.each_times(self.u.mb);
     }
 }
 
-/// What a sweep wants of a point that presses: `rate + bias + soft . impulse = 0`.
+/// What a sweep wants of a point that presses: `rate + bias + soft . impulse = 0`, reached at one point by the
+/// impulse `mass . (rate + bias + soft . impulse)` less.
 struct Demand {
     bias: Lane,
     soft: Lane,
+    mass: Lane,
 }
 
-/// Apart, a point may close the gap in this substep, but not more. Overlapping, a spring pushes.
-#[inline(always)]
-fn biased(sweep: &Sweep, row: &LinkRow, point: &PointRow) -> (Mask, Lane) {
-    let s = point.separation;
-    let apart = s.greater(Lane::ZERO);
-    let push = (s * row.bias_rate).greatest(Lane::splat(-sweep.push_speed));
-    (apart, apart.select(s * Lane::splat(1.0 / sweep.substep), push))
-}
+impl Demand {
+    /// With a spring for overlaps.
+    #[inline(always)]
+    fn biased(point: &PointPart) -> Self {
+        Self { bias: point.bias, soft: point.soft, mass: point.soft_mass }
+    }
 
-/// The same without a push.
-#[inline(always)]
-fn relaxed(sweep: &Sweep, point: &PointRow) -> Lane {
-    point.separation.greatest(Lane::ZERO) * Lane::splat(1.0 / sweep.substep)
+    /// Without: an overlap may stay.
+    #[inline(always)]
+    fn relaxed(point: &PointPart) -> Self {
+        let bias = point.bias.greater(Lane::ZERO).keep(point.bias);
+        Self { bias, soft: Lane::ZERO, mass: point.mass }
+    }
+
+    /// The speed of departure; a point that does not bounce may go on as it does.
+    #[inline(always)]
+    fn bouncing(point: &PointPart) -> Self {
+        let mass = point.bounce.greater(Lane::ZERO).keep(point.mass);
+        Self { bias: -point.bounce, soft: Lane::ZERO, mass }
+    }
 }
 
 /// One exact step along "the same impulse more at every point"; returns that impulse. The points have yet to take
@@ -400,86 +459,84 @@ fn relaxed(sweep: &Sweep, point: &PointRow) -> Lane {
 #[inline(always)]
 fn press_together(
     line: &mut Line<'_>,
-    row: &LinkRow,
-    (points, shift): (&[PointRow], &Shift),
-    demand: impl Fn(&PointRow) -> Demand,
+    link: &LinkPart,
+    ((points, traits), shift): ((&Points<'_>, Traits), &Shift),
+    demand: impl Fn(&PointPart) -> Demand,
 ) -> Lane {
     let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
     let (mut ja, mut jb) = (LaneVec::ZERO, LaneVec::ZERO);
     let (mut wanted, mut soft) = (zero, zero);
     let mut least = Lane::splat(f32::MAX);
     // In a lane without this point all of it is 0.
-    for point in points {
+    for point in points.iter() {
         let demand = demand(point);
         ja = ja + point.normal_a;
         jb = jb + point.normal_b;
         soft = soft + demand.soft;
-        wanted = wanted + (demand.bias + point.surface + demand.soft * point.impulse);
-        least = point.mass.greater(zero).select(point.impulse.least(least), least);
+        wanted = wanted + (demand.bias + demand.soft * point.impulse);
+        if traits.surfaces {
+            wanted = wanted + point.surface;
+        }
+        let lesser = point.impulse.least(least);
+        least = if traits.uneven { point.mass.greater(zero).select(lesser, least) } else { lesser };
     }
-    let count = row.count;
+    let count = link.count;
     let jb = shift.apply(jb, shift.normal.times(count));
     let rate = count * line.speed + (jb.dot(line.u.wb) - ja.dot(line.u.wa));
     let inertia = count * count * line.yields + ja.dot(ja) + jb.dot(jb) + soft;
     let several = count.greater(Lane::splat(1.5)).and(inertia.greater(zero));
     let x = -(rate + wanted) / several.select(inertia, one);
-    let x = several.select(x.greatest(-least).finite_or(zero), zero);
+    let x = several.keep(x.greatest(-least)).finite();
     line.press((ja, jb), (count, x));
     x
 }
 
-/// All points together, then one after the other. `change` says what a point's rate takes off its impulse.
+/// All points together, then one after the other.
 #[inline(always)]
 fn solve_points(
     mut line: Line<'_>,
-    row: &LinkRow,
-    (points, shift): (&mut [PointRow], &Shift),
-    (demand, change): (impl Fn(&PointRow) -> Demand, impl Fn(&PointRow, Lane, Lane) -> Lane),
+    link: &LinkPart,
+    ((points, traits), shift): ((&mut Points<'_>, Traits), &Shift),
+    demand: impl Fn(&PointPart) -> Demand,
 ) {
-    let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
-    if points.len() > 1 {
-        let x = press_together(&mut line, row, (points, shift), demand);
-        for point in points.iter_mut() {
-            point.impulse = point.mass.greater(zero).select(point.impulse + x, point.impulse);
-        }
+    let one = Lane::splat(1.0);
+    let mut together = Lane::ZERO;
+    if points.rows.len() > 1 {
+        together = press_together(&mut line, link, ((points, traits), shift), &demand);
     }
-    for point in points {
+    for point in points.iter_mut() {
         let jb = shift.apply(point.normal_b, shift.normal);
-        let rate = line.rate(point.normal_a, jb) + point.surface;
-        let before = point.impulse;
-        let off = change(point, rate, shift.mass(point, jb));
-        point.impulse = (before - off).greatest(zero).finite_or(before).flushed();
-        line.press((point.normal_a, jb), (one, point.impulse - before));
+        let mut rate = line.rate(point.normal_a, jb);
+        if traits.surfaces {
+            rate = rate + point.surface;
+        }
+        let own = if traits.uneven { point.mass.greater(Lane::ZERO).keep(together) } else { together };
+        let before = point.impulse + own;
+        let demand = demand(point);
+        let mass = shift.mass((point, demand.mass), jb);
+        let after = (before - mass * (rate + demand.bias + demand.soft * before)).pushing();
+        point.impulse = after;
+        line.press((point.normal_a, jb), (one, after - before));
     }
-    line.finish(row);
+    line.finish(link);
 }
 
 #[inline(always)]
 fn solve_normals(
     u: &mut Velocities,
-    row: &LinkRow,
-    points: &mut [PointRow],
+    link: &LinkPart,
+    (points, traits): (&mut Points<'_>, Traits),
     (sweep, shift): (&Sweep, &Shift),
 ) {
-    let line = Line::new(u, row);
-    if row.bounces != 0 {
-        record_bounces(&line, row, points, (sweep, shift));
+    let line = Line::new(u, link);
+    if traits.bounces {
+        record_bounces(&line, link, points, (sweep, shift));
     }
-    if sweep.pass != Pass::Biased {
-        let demand = |point: &PointRow| Demand { bias: relaxed(sweep, point), soft: Lane::ZERO };
-        let change = |point: &PointRow, rate: Lane, mass: Lane| mass * (rate + relaxed(sweep, point));
-        return solve_points(line, row, (points, shift), (demand, change));
+    if sweep.pass == Pass::Biased {
+        solve_points(line, link, ((points, traits), shift), Demand::biased);
+    } else {
+        solve_points(line, link, ((points, traits), shift), Demand::relaxed);
     }
-    let demand = |point: &PointRow| {
-        let (apart, bias) = biased(sweep, row, point);
-        Demand { bias, soft: apart.select(Lane::ZERO, point.soft) }
-    };
-    let change = |point: &PointRow, rate: Lane, mass: Lane| {
-        let (apart, bias) = biased(sweep, row, point);
-        let firm = mass * (rate + bias);
-        apart.select(firm, firm * row.mass_scale + row.impulse_scale * point.impulse)
-    };
-    solve_points(line, row, (points, shift), (demand, change));
 }
 
 /// Fixes the energy with which a point will leave, when it presses for the first time in this step. All points of a
@@ -487,44 +544,49 @@ fn solve_normals(
 ///
 /// Symplectic Euler conserves `H = v^2/2 - a s + a h v/2` in free flight along the normal (acceleration a, height
 /// s); the point leaves with `e^2 H`: apexes then keep their height whatever the substep.
-fn record_bounces(line: &Line<'_>, row: &LinkRow, points: &mut [PointRow], (sweep, shift): (&Sweep, &Shift)) {
+fn record_bounces(
+    line: &Line<'_>,
+    link: &LinkPart,
+    points: &mut Points<'_>,
+    (sweep, shift): (&Sweep, &Shift),
+) {
     let (zero, half) = (Lane::ZERO, Lane::splat(0.5));
     // The biased sweep sees the velocity with this substep's push (push = a h), but heights before its motion.
-    let early = if sweep.pass == Pass::Biased { row.push } else { zero };
-    let e2 = row.restitution * row.restitution;
-    for point in points {
+    let biased = sweep.pass == Pass::Biased;
+    let early = if biased { link.push } else { zero };
+    let e2 = link.restitution * link.restitution;
+    for point in points.iter_mut() {
         let rate = line.rate(point.normal_a, shift.apply(point.normal_b, shift.normal)) + point.surface;
-        let bias =
-            if sweep.pass == Pass::Biased { biased(sweep, row, point).1 } else { relaxed(sweep, point) };
+        let bias = if biased { point.bias } else { Demand::relaxed(point).bias };
         let fast = rate.less(Lane::splat(-sweep.restitution_threshold));
         let presses = (point.mass * (rate + bias)).less(point.impulse).and(point.mass.greater(zero));
         let unset = point.bounce.less(Lane::splat(f32::MIN_POSITIVE));
         let before = rate - early;
-        let energy = half * before * (before + row.push) - height_energy(sweep, row, point);
-        let record = fast.and(presses).and(unset).and(row.restitution.greater(zero));
-        point.bounce = record.select((e2 * energy).finite_or(zero), point.bounce);
+        let energy = half * before * (before + link.push) - height_energy(sweep, link, point);
+        let record = fast.and(presses).and(unset).and(link.restitution.greater(zero));
+        point.bounce = record.select((e2 * energy).finite(), point.bounce);
     }
 }
 
 /// `a s` of a point that is apart, m2/s2.
 #[inline(always)]
-fn height_energy(sweep: &Sweep, row: &LinkRow, point: &PointRow) -> Lane {
-    row.push * Lane::splat(1.0 / sweep.substep) * point.separation.greatest(Lane::ZERO)
+fn height_energy(sweep: &Sweep, link: &LinkPart, point: &PointPart) -> Lane {
+    link.push * Lane::splat(sweep.bias.rate) * point.separation.greatest(Lane::ZERO)
 }
 
 /// Gives the bouncing points their speed: the root of `v^2/2 + a h v/2 = E + a s`.
-fn bounce(u: &mut Velocities, row: &LinkRow, points: &mut [PointRow], (sweep, shift): (&Sweep, &Shift)) {
+fn bounce(
+    u: &mut Velocities,
+    link: &LinkPart,
+    (points, traits): (&mut Points<'_>, Traits),
+    (sweep, shift): (&Sweep, &Shift),
+) {
     let (zero, half, two) = (Lane::ZERO, Lane::splat(0.5), Lane::splat(2.0));
-    let half_push = half * row.push;
+    let half_push = half * link.push;
     for point in points.iter_mut() {
-        let energy = (point.bounce + height_energy(sweep, row, point)).greatest(zero);
+        let energy = (point.bounce + height_energy(sweep, link, point)).greatest(zero);
         let speed = (half_push * half_push + two * energy).sqrt() - half_push;
-        point.bounce = point.bounce.greater(zero).select(speed.finite_or(zero), zero);
+        point.bounce = point.bounce.greater(zero).keep(speed.finite());
     }
-    // A point that does not bounce may go on as it does.
-    let leaves = |point: &PointRow| point.bounce.greater(zero);
-    let demand = |point: &PointRow| Demand { bias: -point.bounce, soft: zero };
-    let change =
-        |point: &PointRow, rate: Lane, mass: Lane| leaves(point).select(mass * (rate - point.bounce), zero);
-    solve_points(Line::new(u, row), row, (points, shift), (demand, change));
+    solve_points(Line::new(u, link), link, ((points, traits), shift), Demand::bouncing);
 }

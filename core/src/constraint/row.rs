@@ -1,4 +1,4 @@
-//! The rows of contacts in solver order, eight lanes wide.
+//! The rows of contacts in solver order: eight links side by side.
 //!
 //! A row says `J u`, the rate of one relative coordinate of two bodies (SEED S5), with bounds on its impulse. The
 //! talk writes `w = n . (va - vb)`; here `n` points from A to B and the rate is `n . (vb - va)`, which is the same
@@ -13,10 +13,10 @@
 //! and a row holds no inertia. `ma` comes with the seat. Body A of a link is always dynamic; an immovable B has
 //! `jb = 0`, a scratch seat of zeros, and its surface's speed in the row.
 
-use crate::lanes::{LANES, Lane, LaneVec};
+use crate::lanes::{LANES, Lane, LaneVec, PARTS};
 use bytemuck::{Pod, Zeroable};
 
-/// What the points of up to eight links share: one link in each lane.
+/// Eight links and what their points share.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(crate) struct LinkRow {
@@ -26,25 +26,27 @@ pub(crate) struct LinkRow {
     pub seats_b: [u32; LANES],
     /// Most points of a lane.
     pub points: u32,
-    /// 1 when a body of a lane does not move along some axis.
-    pub locked: u32,
     /// 1 when a lane bounces.
     pub bounces: u32,
-    /// 1 when the next biased sweep has to apply `turn`.
+    /// 1 when a body of a lane does not move along some axis.
+    pub locked: u32,
+    /// 1 when a lane has fewer points than another.
+    pub uneven: u32,
+    /// 1 when the surface of an immovable body of a lane moves.
+    pub surfaces: u32,
+    /// Bit for each part of which the next biased sweep has to apply `turn`.
     pub turns: u32,
     /// Zero.
-    pub reserved: [u32; 4],
+    pub reserved: [u32; 2],
+    pub parts: [LinkPart; PARTS],
+}
+
+/// The links of one instruction's lanes. What every sweep reads comes first.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct LinkPart {
     pub normal: LaneVec,
     pub tangent: LaneVec,
-    /// W of body B: diagonal, then xy, xz, yz.
-    pub root_b: [LaneVec; 2],
-    /// How far B's center moved relative to A's in this step: the point of contact goes with A, so B's arm is
-    /// shorter by this, and action and reaction stay on one line.
-    pub slide: LaneVec,
-    /// What the last change of B's arm changes of the warm start: whitened angular velocity of B, rad/s.
-    pub turn: LaneVec,
-    /// Slide, squared, from which on B's arm is corrected.
-    pub slide_min: Lane,
     /// Jacobians of the first tangent.
     pub first_a: LaneVec,
     pub first_b: LaneVec,
@@ -67,10 +69,18 @@ pub(crate) struct LinkRow {
     pub first_impulse: Lane,
     pub second_impulse: Lane,
     pub twist_impulse: Lane,
+    /// How far B's center moved relative to A's in this step: the point of contact goes with A, so B's arm is
+    /// shorter by this, and action and reaction stay on one line.
+    pub slide: LaneVec,
+    /// Slide, squared, from which on B's arm is corrected.
+    pub slide_min: Lane,
     /// Softness: share of the overlap taken back, 1/s.
     pub bias_rate: Lane,
     pub mass_scale: Lane,
-    pub impulse_scale: Lane,
+    /// W of body B: diagonal, then xy, xz, yz.
+    pub root_b: [LaneVec; 2],
+    /// What the last change of B's arm changes of the warm start: whitened angular velocity of B, rad/s.
+    pub turn: LaneVec,
     /// Coefficient of restitution.
     pub restitution: Lane,
     /// Relative velocity along the normal that gravity and forces give in a substep, m/s.
@@ -79,24 +89,60 @@ pub(crate) struct LinkRow {
     pub surface: LaneVec,
 }
 
-/// One point of up to eight links.
+/// One point of each of eight links.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(crate) struct PointRow {
+    pub parts: [PointPart; PARTS],
+}
+
+/// One point of the links of one instruction's lanes. All 0 in a lane without this point.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct PointPart {
     /// Jacobians of the normal.
     pub normal_a: LaneVec,
     pub normal_b: LaneVec,
-    /// 1 / (J M^-1 Jt), kg; 0 in a lane without this point.
+    /// 1 / (J M^-1 Jt), kg.
     pub mass: Lane,
-    /// What a soft contact gives: the rate that it allows for each N s of impulse, 1/kg.
-    pub soft: Lane,
-    /// Distance along the normal now, metres.
-    pub separation: Lane,
     /// Normal impulse of the substep, N s.
     pub impulse: Lane,
+    /// What the biased sweep adds to the rate, m/s; where it is positive the relax sweep does too.
+    pub bias: Lane,
+    /// What the contact gives in the biased sweep: the rate that it allows for each N s of impulse, 1/kg.
+    pub soft: Lane,
+    /// 1 / (J M^-1 Jt + soft), kg.
+    pub soft_mass: Lane,
+    /// `soft` of an overlap.
+    pub spring: Lane,
+    /// Distance along the normal now, metres.
+    pub separation: Lane,
     /// Velocity of an immovable B's surface along the normal, m/s.
     pub surface: Lane,
     /// Energy over mass with which the point is to leave, m2/s2; in the bounce sweep its speed, m/s. 0 when it does
     /// not bounce.
     pub bounce: Lane,
+}
+
+/// How contacts are biased, from the settings.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bias {
+    /// Substeps per second.
+    pub rate: f32,
+    /// Fastest push-out, m/s.
+    pub push_speed: f32,
+}
+
+impl PointPart {
+    /// Brings what the sweeps want of the point to its separation. Apart, it may close the gap in this substep, but
+    /// not more. Overlapping, a spring pushes.
+    #[inline(always)]
+    pub fn aim(&mut self, link: &LinkPart, bias: Bias) {
+        let s = self.separation;
+        let apart = s.greater(Lane::ZERO);
+        let push = (s * link.bias_rate).greatest(Lane::splat(-bias.push_speed));
+        self.bias = apart.select(s * Lane::splat(bias.rate), push);
+        self.soft = apart.select(Lane::ZERO, self.spring);
+        self.soft_mass = apart.select(self.mass, self.mass * link.mass_scale);
+    }
 }

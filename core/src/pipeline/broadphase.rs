@@ -9,7 +9,9 @@ use crate::body::{BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position};
 use crate::collide::tree::{self, Tree};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::executor::{Executor, Stage};
-use crate::math::{Aabb, Vec3};
+use crate::lanes::Words;
+use crate::math::{Aabb, Pose, Vec3};
+use crate::pipeline::meeting::frame_words;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
@@ -41,7 +43,7 @@ pub(crate) fn run<E: Executor>(
     clear_flags(state, &scratch.moved[..moved]);
 }
 
-/// Makes new boxes for shapes that left theirs, and marks them.
+/// Computes the shapes' frames, makes new boxes for shapes that left theirs, and marks those.
 fn update_boxes<E: Executor>(
     state: &mut State<'_>,
     assets: &AssetTables<'_>,
@@ -52,6 +54,7 @@ fn update_boxes<E: Executor>(
         first: u32,
         shapes: &'a mut [ShapeRow],
         is_moved: &'a mut [u8],
+        frames: &'a mut [Words],
     }
     let high = state.header[0].shapes.high as usize;
     let share = chunk(high, UPDATE_SHAPES);
@@ -60,24 +63,29 @@ fn update_boxes<E: Executor>(
     let (used, bodies, motions) = (&*state.shape_used, &*state.bodies, &*state.motions);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let parts = state.shapes[..high].chunks_mut(share).zip(scratch.is_moved[..high].chunks_mut(share));
-    for (i, (shapes, is_moved)) in parts.enumerate() {
-        push(&mut tasks, Task { first: (i * share) as u32, shapes, is_moved });
+    let parts = parts.zip(scratch.frames[..high].chunks_mut(share));
+    for (i, ((shapes, is_moved), frames)) in parts.enumerate() {
+        push(&mut tasks, Task { first: (i * share) as u32, shapes, is_moved, frames });
     }
     crew.run(Stage::Broadphase, &mut tasks, |task| {
-        for (i, (shape, moved)) in task.shapes.iter_mut().zip(task.is_moved.iter_mut()).enumerate() {
+        let slots = task.shapes.iter_mut().zip(task.is_moved.iter_mut()).zip(task.frames.iter_mut());
+        for (i, ((shape, moved), frame)) in slots.enumerate() {
             *moved = 0;
             if is_used(used, task.first + i as u32) {
-                let body = shape.body as usize;
-                *moved = u8::from(update_box(shape, (&bodies[body], &motions[body]), assets, dt) || all);
+                let (body, motion) = (&bodies[shape.body as usize], &motions[shape.body as usize]);
+                let pose = motion.local_to_center(body, &shape.pose);
+                *frame = frame_words(&pose);
+                *moved = u8::from(update_box(shape, (body, motion, &pose), assets, dt) || all);
             }
         }
     });
 }
 
-/// Makes a new fat box if the shape left its own; true when it did.
+/// Makes a new fat box if the shape, whose frame stands at `local` from the body's center, left its own; true when
+/// it did.
 fn update_box(
     shape: &mut ShapeRow,
-    (body, motion): (&BodyRow, &Motion),
+    (body, motion, local): (&BodyRow, &Motion, &Pose),
     assets: &AssetTables<'_>,
     dt: f32,
 ) -> bool {
@@ -86,8 +94,7 @@ fn update_box(
     if is_static && !stale {
         return false;
     }
-    let local = motion.local_to_center(body, &shape.pose);
-    let pose = crate::math::Pose::new(local.position + motion.center.offset, local.rotation);
+    let pose = Pose::new(local.position + motion.center.offset, local.rotation);
     let tight = crate::collide::bounds::aabb(&solid(shape, assets), &pose);
     // The box reaches as far as contacts are looked for: over the coming step's path and the speculative distance.
     let path = if is_static { Vec3::ZERO } else { motion.linear * dt };

@@ -6,7 +6,7 @@ use crate::body::{
 use crate::config::SECTOR_MAX;
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
-use crate::lanes::LANES;
+use crate::lanes::{LANES, WIDTH};
 use crate::math::Vec3;
 use crate::pipeline::Counts;
 use crate::pipeline::integration;
@@ -15,7 +15,7 @@ use crate::pipeline::mover::Mover;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::BOX_STALE;
-use crate::state::{ContactRow, Scratch, State, Touch};
+use crate::state::{Cache, ContactRow, Scratch, State, Touch};
 
 /// Bodies that are worth a task.
 const FINISH_BODIES: usize = 256;
@@ -24,12 +24,12 @@ const FINISH_CONTACTS: usize = 512;
 
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    scratch: &mut Scratch<'_>,
+    (cache, scratch): (&Cache<'_>, &Scratch<'_>),
     (plan, dt): (&Plan, f32),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
-    store_impulses(state, scratch, plan, crew);
-    store_motions(state, scratch, (plan, dt), (crew, counts));
+    store_impulses(state, (cache, scratch), plan, crew);
+    store_motions(state, (cache, scratch), (plan, dt), (crew, counts));
     if counts.quarantined > 0 {
         drop_shapes_of_quarantined(state);
     }
@@ -39,14 +39,14 @@ pub(crate) fn run<E: Executor>(
 /// Impulses of the contacts, for the next step's warm start.
 fn store_impulses<E: Executor>(
     state: &mut State<'_>,
-    scratch: &Scratch<'_>,
+    (cache, scratch): (&Cache<'_>, &Scratch<'_>),
     plan: &Plan,
     crew: &mut Crew<'_, E>,
 ) {
     struct Task<'a> {
         rows: &'a mut [ContactRow],
         places: &'a [u32],
-        touches: &'a [u32],
+        touches: &'a [Touch],
     }
     let count = state.header[0].contacts as usize;
     if plan.rows == 0 {
@@ -56,29 +56,29 @@ fn store_impulses<E: Executor>(
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     for (i, rows) in state.contacts[..count].chunks_mut(share).enumerate() {
         let run = i * share..i * share + rows.len();
-        let (places, touches) = (&scratch.contact_places[run.clone()], &scratch.contact_touch[run]);
+        let (places, touches) = (&cache.contact_places[run.clone()], &scratch.touches[run]);
         push(&mut tasks, Task { rows, places, touches });
     }
     let (links, points) = (&*scratch.link_rows, &*scratch.point_rows);
-    let (first_points, touches) = (&*scratch.row_points, &*scratch.touches);
+    let first_points = &*scratch.row_points;
     crew.run(Stage::Finish, &mut tasks, |task| {
-        for ((row, &place), &touch) in task.rows.iter_mut().zip(task.places).zip(task.touches) {
+        for ((row, &place), touch) in task.rows.iter_mut().zip(task.places).zip(task.touches) {
             let (link, lane) = (place as usize / LANES, place as usize % LANES);
             let first = first_points[link] as usize;
-            let touch = &touches[touch as usize];
-            store(row, (&links[link], &points[first..]), touch, lane);
+            store(row, (&links[link], &points[first..]), touch.sign(), lane);
         }
     });
 }
 
-fn store(row: &mut ContactRow, (link, points): (&LinkRow, &[PointRow]), touch: &Touch, lane: usize) {
-    for (impulse, point) in row.impulses.iter_mut().zip(points).take(touch.row.points as usize) {
-        *impulse = point.impulse.get(lane);
+fn store(row: &mut ContactRow, (link, points): (&LinkRow, &[PointRow]), sign: f32, lane: usize) {
+    let (part, lane) = (lane / WIDTH, lane % WIDTH);
+    let link = &link.parts[part];
+    for (impulse, point) in row.impulses.iter_mut().zip(points).take(usize::from(row.points)) {
+        *impulse = point.parts[part].impulse.get(lane);
     }
-    let at = |v: &crate::lanes::LaneVec| Vec3::new(v.x.get(lane), v.y.get(lane), v.z.get(lane));
-    let (n, t) = (at(&link.normal), at(&link.tangent));
+    let (n, t) = (link.normal.get(lane), link.tangent.get(lane));
     let s = n.cross(t);
-    row.friction = (t * link.first_impulse.get(lane) + s * link.second_impulse.get(lane)) * touch.sign();
+    row.friction = (t * link.first_impulse.get(lane) + s * link.second_impulse.get(lane)) * sign;
     row.twist = link.twist_impulse.get(lane);
 }
 
@@ -91,7 +91,7 @@ struct Found {
 
 fn store_motions<E: Executor>(
     state: &mut State<'_>,
-    scratch: &Scratch<'_>,
+    (cache, scratch): (&Cache<'_>, &Scratch<'_>),
     (plan, dt): (&Plan, f32),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
@@ -105,8 +105,8 @@ fn store_motions<E: Executor>(
     let share = chunk(high, FINISH_BODIES);
     let results = Results {
         active_of: scratch.active_of,
-        first_seats: scratch.first_seats,
-        last_seats: scratch.last_seats,
+        first_seats: cache.first_seats,
+        last_seats: cache.last_seats,
         seats: &scratch.seats[..plan.seats],
         movers: scratch.movers,
     };

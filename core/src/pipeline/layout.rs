@@ -39,7 +39,8 @@ pub(crate) struct Group {
 }
 
 /// Groups of one phase.
-#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Phase {
     pub first_group: u32,
     pub groups: u32,
@@ -48,7 +49,8 @@ pub(crate) struct Phase {
 }
 
 /// What the layout came to.
-#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Plan {
     pub phases: [Phase; PHASES_MAX],
     /// At least 1 when there is an active body.

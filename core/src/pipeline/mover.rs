@@ -2,7 +2,7 @@
 
 use crate::body::{BodyRow, Motion};
 use crate::collide::vector64::{Vector, cross, dot, to_f64, to_vec3};
-use crate::lanes::Lane;
+use crate::lanes::Words;
 use crate::math::{Rotation, Vec3, length};
 use crate::pipeline::integration::{self, TURN_STEP};
 use crate::pipeline::seat::Seat;
@@ -14,14 +14,14 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Mover {
     /// Velocity after integration and before the impulses of the substep, laid out as in the seat.
-    pub star: Lane,
+    pub star: Words,
     /// Velocity that gravity, force and torque give in a substep.
-    pub push: Lane,
+    pub push: Words,
     /// Shares that damping takes; 0 for inverse mass and locks. Not what it leaves: a factor near 1 would be
     /// rounded once and the error raised to the number of substeps.
-    pub loss: Lane,
+    pub loss: Words,
     /// 1e-18 where numbers are flushed to zero, 0 for inverse mass and locks.
-    pub flush: Lane,
+    pub flush: Words,
     /// Motion of the center since the step began, metres.
     pub displacement: Vec3,
     /// How the body turns freely: `FREE_*`.
@@ -61,16 +61,17 @@ impl Mover {
         let turn_locked = row.locks() >> 3 != 0;
         let equal = row.inertia.x == row.inertia.y && row.inertia.y == row.inertia.z;
         let spin = if turn_locked || equal { SPIN_PLAIN } else { SPIN_TOP };
-        let free = |axis: u32, x: f32| if active.locks >> axis & 1 == 1 { 0.0 } else { x };
+        let locks = active.locks as u32;
+        let free = |axis: u32, x: f32| if locks >> axis & 1 == 1 { 0.0 } else { x };
         let velocity =
             Vec3::new(free(0, motion.linear.x), free(1, motion.linear.y), free(2, motion.linear.z));
         let whitened = integration::whiten(&active.root, motion.angular);
         let torque = integration::root_times(&active.root, row.torque) * substep;
         // v' = v / (1 + c h) = v - v c h / (1 + c h)
         let loss = |damping: f32| damping * substep / (1.0 + damping * substep);
-        let row_of = |v: Vec3, m: f32, w: Vec3, l: f32| Lane::new([v.x, v.y, v.z, m, w.x, w.y, w.z, l]);
+        let row_of = |v: Vec3, m: f32, w: Vec3, l: f32| Words::new([v.x, v.y, v.z, m, w.x, w.y, w.z, l]);
         let all = Vec3::splat;
-        let current = row_of(velocity, active.inverse_mass, whitened, active.locks as f32);
+        let current = row_of(velocity, active.inverse_mass, whitened, active.locks);
         let mover = Self {
             star: current,
             push: row_of(active.push, 0.0, torque, 0.0),
@@ -87,7 +88,7 @@ impl Mover {
             whitened,
             capped: 0,
         };
-        (mover, Seat { velocity: current, moved: Lane::ZERO })
+        (mover, Seat { velocity: current, moved: Words::ZERO })
     }
 
     /// Velocities of the first substep: gravity, forces, damping. The warm sweep follows.
@@ -104,7 +105,7 @@ impl Mover {
         seat.velocity = self.star + warm;
     }
 
-    fn pushed(&self, velocity: Lane) -> Lane {
+    fn pushed(&self, velocity: Words) -> Words {
         let v = velocity + self.push;
         let v = v - v * self.loss;
         (v + self.flush) - self.flush
@@ -125,7 +126,7 @@ impl Mover {
             self.rotation = integration::turned(self.rotation, turn);
             whitened * substep
         };
-        seat.moved = Lane::new([moved.x, moved.y, moved.z, 0.0, turn.x, turn.y, turn.z, 0.0]);
+        seat.moved = Words::new([moved.x, moved.y, moved.z, 0.0, turn.x, turn.y, turn.z, 0.0]);
     }
 
     /// The free top: world angular momentum stays, the orientation follows. Returns the whitened rotation vector.
@@ -178,7 +179,7 @@ impl Mover {
         let angular = if spin > crate::config::TURN_MAX { crate::config::TURN_MAX / spin } else { 1.0 };
         if linear < 1.0 || angular < 1.0 {
             let (l, a) = (linear, angular);
-            seat.velocity = seat.velocity * Lane::new([l, l, l, 1.0, a, a, a, 1.0]);
+            seat.velocity = seat.velocity * Words::new([l, l, l, 1.0, a, a, a, 1.0]);
             self.capped = 1;
         }
     }

@@ -1,277 +1,327 @@
 //! Narrowphase (the talk's second stage, SEED S3): contact points of every pair.
 //!
-//! Each pair has its own run of touches, so tasks are disjoint; impulses of the step before are carried over by
-//! feature. Then the touches that fit become the contacts of the step, in the order of pair and child.
+//! A task has a run of pairs and the contacts that these had in the step before. Contacts that go on are brought up
+//! to date where they are; those that begin are written aside, those that end are marked; `contacts.rs` merges them.
+//! Impulses are carried over by feature.
 
-use crate::collide::{self, MANIFOLDS_MAX, Manifold, ManifoldPoint, Manifolds, POINTS_MAX};
-use crate::config::SPECULATIVE_DISTANCE;
+use crate::cells::UNORDERED;
+use crate::collide::{MANIFOLDS_MAX, Manifold, POINTS_MAX};
 use crate::executor::{Executor, Stage};
-use crate::math::{Pose, Vec3, length, max, sqrt};
+use crate::math::{Pose, max, sqrt};
+use crate::pipeline::contacts::{self, Change, Yield};
+use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid, solver};
-use crate::shape::{FRESH, GEOMETRY_BOX, ShapeRow};
-use crate::state::{AssetTables, ContactRow, Pair, Scratch, State, Touch};
+use crate::shape::{FRESH, GEOMETRY_BOX, GEOMETRY_MESH, ShapeRow};
+use crate::state::{AssetTables, Birth, Cache, ContactRow, Memo, Pair, Scratch, State, Touch};
 use bytemuck::Zeroable;
 
 /// Pairs that are worth a task.
 const COLLIDE_PAIRS: usize = 64;
-/// Contacts that are worth a task to copy.
-const COPY_CONTACTS: usize = 512;
 
+/// Finds the contacts of the step. Says which began and ended.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
     assets: &AssetTables<'_>,
-    scratch: &mut Scratch<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
-) {
-    let pairs = state.header[0].pairs as usize;
-    let touches = reserve(state, scratch, pairs);
-    let dropped = collide_pairs(state, assets, scratch, crew);
-    let contacts = choose(state, scratch, touches, counts);
-    counts.dropped_contacts += dropped;
-    copy_contacts(state, scratch, contacts, crew);
+) -> Change {
+    let yields = collide_pairs(state, assets, (cache, scratch), crew);
+    cache.header[0].memos_fit = 1;
+    let change = contacts::merge(state, (cache, scratch), &yields, (crew, counts));
     for shape in &mut state.shapes[..state.header[0].shapes.high as usize] {
         shape.flags &= !FRESH;
     }
+    change
 }
 
-/// Gives every pair its run of touches: one for convex shapes, more for a concave one while there is room.
-fn reserve(state: &State<'_>, scratch: &mut Scratch<'_>, pairs: usize) -> usize {
-    let mut extra = scratch.touches.len() - pairs;
-    let mut next = 0;
-    for (i, pair) in state.pairs[..pairs].iter().enumerate() {
-        scratch.pair_first[i] = next;
-        let concave = |slot: u32| state.shapes[slot as usize].kind == crate::shape::GEOMETRY_MESH;
-        let more = if concave(pair.a) || concave(pair.b) { extra.min(MANIFOLDS_MAX - 1) } else { 0 };
-        extra -= more;
-        next += 1 + more as u32;
-    }
-    scratch.pair_first[pairs] = next;
-    next as usize
-}
-
-/// Fills the runs. Returns how many manifolds had no room in their run.
+/// Brings every pair's contacts up to date.
 fn collide_pairs<E: Executor>(
-    state: &State<'_>,
+    state: &mut State<'_>,
     assets: &AssetTables<'_>,
-    scratch: &mut Scratch<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     crew: &mut Crew<'_, E>,
-) -> u32 {
-    struct Task<'a> {
-        pairs: &'a [Pair],
-        first: &'a [u32],
-        touches: &'a mut [Touch],
-        dropped: u32,
-    }
-    let dt = state.header[0].settings.read().map_or(0.0, |settings| settings.dt);
-    let pairs = &state.pairs[..state.header[0].pairs as usize];
-    let share = chunk(pairs.len(), COLLIDE_PAIRS);
-    let mut rest = &mut *scratch.touches;
+) -> Tasks<Yield> {
+    let header = &state.header[0];
+    let (pair_count, count) = (header.pairs as usize, header.contacts as usize);
+    let look = Look {
+        scene: Scene {
+            shapes: state.shapes,
+            bodies: state.bodies,
+            motions: state.motions,
+            frames: scratch.frames,
+        },
+        assets,
+        dt: header.settings.read().map_or(0.0, |settings| settings.dt),
+        memos_fit: cache.header[0].memos_fit != 0,
+    };
+    let pairs = &state.pairs[..pair_count];
+    let half = cache.header[0].memo_half as usize * (cache.memos.len() / 2);
+    let mut rows = &mut state.contacts[..count];
+    let mut memos = &mut cache.memos[half..half + count];
+    let mut touches = &mut scratch.touches[..count];
+    let mut extra = scratch.births.len() - pair_count;
+    let mut births = &mut *scratch.births;
+    let share = chunk(pair_count, COLLIDE_PAIRS);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
-    for (i, own) in pairs.chunks(share).enumerate() {
-        let first = &scratch.pair_first[i * share..=i * share + own.len()];
-        let count = (first[own.len()] - first[0]) as usize;
-        let touches = solver::take(&mut rest, count);
-        push(&mut tasks, Task { pairs: own, first, touches, dropped: 0 });
+    let (mut first, mut first_birth) = (0, 0);
+    for run in 0..pair_count.div_ceil(share).max(1) {
+        let own = &pairs[run * share..pair_count.min((run + 1) * share)];
+        // The contacts before the next task's first pair; those without a pair end.
+        let next = pairs.get((run + 1) * share);
+        let contacts = next.map_or(rows.len(), |next| rows.partition_point(|row| row.pair < *next));
+        let more = look.extra_births(own).min(extra);
+        extra -= more;
+        let task = Task {
+            pairs: own,
+            rows: solver::take(&mut rows, contacts),
+            memos: solver::take(&mut memos, contacts),
+            touches: solver::take(&mut touches, contacts),
+            births: solver::take(&mut births, own.len() + more),
+            result: Yield { first, contacts: contacts as u32, first_birth, born: 0, died: 0, dropped: 0 },
+            next: 0,
+        };
+        first += contacts as u32;
+        first_birth += (own.len() + more) as u32;
+        push(&mut tasks, task);
     }
-    crew.run(Stage::Narrowphase, &mut tasks, |task| {
-        let mut old = Old::new(state, task.pairs[0]);
-        let mut rest = &mut *task.touches;
-        for (i, &pair) in task.pairs.iter().enumerate() {
-            let run = solver::take(&mut rest, (task.first[i + 1] - task.first[i]) as usize);
-            task.dropped += collide_pair(state, assets, (pair, dt), (run, old.of(pair)));
+    crew.run(Stage::Narrowphase, &mut tasks, |task| task.run(&look));
+    tasks.iter().map(|task| task.result).collect()
+}
+
+/// What all tasks read.
+struct Look<'a> {
+    scene: Scene<'a>,
+    assets: &'a AssetTables<'a>,
+    dt: f32,
+    memos_fit: bool,
+}
+
+impl Look<'_> {
+    fn shape(&self, slot: u32) -> &ShapeRow {
+        &self.scene.shapes[slot as usize]
+    }
+
+    /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.
+    fn extra_births(&self, pairs: &[Pair]) -> usize {
+        if self.assets.meshes.is_empty() {
+            return 0;
         }
-    });
-    tasks.iter().map(|task| task.dropped).sum()
-}
-
-/// The contacts of the step before, read along with the pairs.
-struct Old<'a> {
-    rest: &'a [ContactRow],
-}
-
-impl<'a> Old<'a> {
-    fn new(state: &'a State<'_>, from: Pair) -> Self {
-        let rows = &state.contacts[..state.header[0].contacts as usize];
-        Self { rest: &rows[rows.partition_point(|row| row.pair < from)..] }
+        let concave = |slot: u32| self.shape(slot).kind == GEOMETRY_MESH;
+        pairs.iter().filter(|pair| concave(pair.a) || concave(pair.b)).count() * (MANIFOLDS_MAX - 1)
     }
 
-    /// The old contacts of a pair; pairs are asked for in ascending order.
-    fn of(&mut self, pair: Pair) -> &'a [ContactRow] {
-        let skip = self.rest.iter().take_while(|row| row.pair < pair).count();
-        let rest = &self.rest[skip..];
-        let count = rest.iter().take_while(|row| row.pair == pair).count();
-        let (own, after) = rest.split_at(count);
-        self.rest = after;
-        own
+    /// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one.
+    fn are_exchanged(&self, (a, b): (&ShapeRow, &ShapeRow)) -> bool {
+        let dynamic = |shape: &ShapeRow| self.scene.bodies[shape.body as usize].is_dynamic();
+        // Spheres come before capsules, and those before all others.
+        let edges = |shape: &ShapeRow| shape.kind.min(GEOMETRY_BOX);
+        !dynamic(a) || (dynamic(b) && edges(b) < edges(a))
     }
 }
 
-/// The relative pose of shape B's frame in shape A's, and how far apart points are looked for.
-struct Meeting {
-    /// Shape A's frame in world axes, relative to the center of body A.
-    frame_a: Pose,
-    b_in_a: Pose,
-    /// From the center of body A to that of body B.
-    centers: Vec3,
-    distance: f32,
+/// A run of pairs and what belongs to it.
+struct Task<'a> {
+    pairs: &'a [Pair],
+    rows: &'a mut [ContactRow],
+    memos: &'a mut [Memo],
+    touches: &'a mut [Touch],
+    births: &'a mut [Birth],
+    result: Yield,
+    /// First contact that no pair has asked for.
+    next: usize,
 }
 
-impl Meeting {
-    fn new(state: &State<'_>, pair: Pair, dt: f32) -> Self {
-        let (sa, sb) = (&state.shapes[pair.a as usize], &state.shapes[pair.b as usize]);
-        let side = |s: &ShapeRow| (&state.bodies[s.body as usize], &state.motions[s.body as usize]);
-        let ((ba, ma), (bb, mb)) = (side(sa), side(sb));
-        let centers = mb.center.minus(ma.center);
-        let frame_a = ma.local_to_center(ba, &sa.pose);
-        let local = mb.local_to_center(bb, &sb.pose);
-        let frame_b = Pose::new(local.position + centers, local.rotation);
-        let b_in_a = Pose::new(
-            frame_a.untransform(frame_b.position),
-            frame_a.rotation.inverse().after(frame_b.rotation).normalized(),
-        );
-        // Fast bodies are stopped at the surface, not behind it: look as far as they come in this step.
-        let distance = SPECULATIVE_DISTANCE + length(mb.linear - ma.linear) * dt;
-        Self { frame_a, b_in_a, centers, distance }
+/// A contact of the step before, with the features of its points.
+#[derive(Clone, Copy)]
+struct Old {
+    row: ContactRow,
+    features: [u32; POINTS_MAX],
+    /// Place among the task's contacts.
+    place: usize,
+}
+
+type Olds = heapless::Vec<Old, MANIFOLDS_MAX>;
+
+/// How two shapes stand, and what their contacts have in common.
+struct Found<'a> {
+    pair: Pair,
+    shapes: (&'a ShapeRow, &'a ShapeRow),
+    meeting: Meeting,
+    exchanged: bool,
+}
+
+impl Found<'_> {
+    fn touch(&self, settled: bool) -> Touch {
+        let Found { pair, shapes: (a, b), meeting, exchanged } = self;
+        let shapes = if *exchanged { [pair.b, pair.a] } else { [pair.a, pair.b] };
+        Touch {
+            shapes,
+            friction: sqrt(a.friction * b.friction),
+            restitution: max(a.restitution, b.restitution),
+            centers: if *exchanged { -meeting.centers } else { meeting.centers },
+            settled: if settled { 1.0 } else { 0.0 },
+        }
     }
 }
 
-/// Fills the run of one pair; unused touches get no points. Returns how many manifolds had no room.
-fn collide_pair(
-    state: &State<'_>,
-    assets: &AssetTables<'_>,
-    (pair, dt): (Pair, f32),
-    (run, old): (&mut [Touch], &[ContactRow]),
-) -> u32 {
-    let meeting = Meeting::new(state, pair, dt);
-    let (sa, sb) = (&state.shapes[pair.a as usize], &state.shapes[pair.b as usize]);
-    let mut manifolds = Manifolds::new();
-    collide::collide(
-        &solid(sa, assets),
-        &solid(sb, assets),
-        &meeting.b_in_a,
-        meeting.distance,
-        &mut manifolds,
-    );
-    // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
-    let fresh = (sa.flags | sb.flags) & FRESH != 0;
-    let old = if fresh { &[] } else { old };
-    for touch in run.iter_mut() {
-        touch.row.points = 0;
+impl Task<'_> {
+    fn run(&mut self, look: &Look<'_>) {
+        for &pair in self.pairs {
+            self.end_until(|row| row.pair < pair);
+            self.meet(look, pair);
+        }
+        self.end_until(|_| true);
     }
-    for (touch, manifold) in run.iter_mut().zip(&manifolds) {
-        *touch = touch_of(state, pair, &meeting, manifold);
-        carry_over(&mut touch.row, old, &mut touch.kept);
-    }
-    manifolds.len().saturating_sub(run.len()) as u32
-}
 
-/// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one,
-/// since the point of contact goes with A: the arm of a ball stays along the normal while it slides over a face.
-fn are_exchanged(state: &State<'_>, (a, b): (&ShapeRow, &ShapeRow)) -> bool {
-    let dynamic = |shape: &ShapeRow| state.bodies[shape.body as usize].is_dynamic();
-    // Spheres come before capsules, and those before all others.
-    let edges = |shape: &ShapeRow| shape.kind.min(GEOMETRY_BOX);
-    !dynamic(a) || (dynamic(b) && edges(b) < edges(a))
-}
-
-fn touch_of(state: &State<'_>, pair: Pair, meeting: &Meeting, manifold: &Manifold) -> Touch {
-    let (sa, sb) = (&state.shapes[pair.a as usize], &state.shapes[pair.b as usize]);
-    let mut touch = Touch::zeroed();
-    touch.row.pair = pair;
-    touch.row.child = manifold.child;
-    touch.row.points = manifold.points.len() as u32;
-    touch.bodies = [sa.body, sb.body];
-    touch.normal = meeting.frame_a.rotation.rotate(manifold.normal);
-    touch.centers = meeting.centers;
-    touch.friction = sqrt(sa.friction * sb.friction);
-    touch.restitution = max(sa.restitution, sb.restitution);
-    touch.exchanged = u32::from(are_exchanged(state, (sa, sb)));
-    for (i, point) in manifold.points.iter().enumerate() {
-        let ManifoldPoint { position, separation, feature } = *point;
-        touch.anchors[i] = meeting.frame_a.transform(position);
-        touch.separations[i] = separation;
-        touch.row.features[i] = feature;
+    /// Ends the next contacts while they are of pairs that are no more.
+    fn end_until(&mut self, ends: impl Fn(&ContactRow) -> bool) {
+        while self.next < self.rows.len() && ends(&self.rows[self.next]) {
+            self.end(self.next);
+            self.next += 1;
+        }
     }
-    touch
+
+    fn end(&mut self, place: usize) {
+        self.rows[place].points = 0;
+        self.result.died += 1;
+    }
+
+    /// Brings the contacts of a pair up to date.
+    fn meet(&mut self, look: &Look<'_>, pair: Pair) {
+        let shapes = (look.shape(pair.a), look.shape(pair.b));
+        let meeting = Meeting::new(&look.scene, (pair.a, pair.b), look.dt);
+        let found = Found { pair, shapes, meeting, exchanged: look.are_exchanged(shapes) };
+        // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
+        if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
+            self.end_until(|row| row.pair == pair);
+        }
+        let first = self.next;
+        self.next += self.rows[first..].iter().take_while(|row| row.pair == pair).count();
+        let radii = meeting::settling_radii(shapes, look.assets);
+        let settles = radii.is_some() && found.meeting.is_slow();
+        if let (Some(row), Some(radii)) = (self.rows[first..self.next].first(), radii) {
+            let near = |base| found.meeting.is_near(&base, radii);
+            let stays = settles && row.settled != 0 && meeting::unpack(&row.memory).is_some_and(near);
+            if stays && (look.memos_fit || self.remember(look, &found, first)) {
+                self.touches[first] = found.touch(true);
+                return;
+            }
+        }
+        let olds = self.olds(look, &found, first);
+        if settles {
+            let memory = meeting::pack(&found.meeting.b_in_a);
+            let base = meeting::unpack(&memory).unwrap_or(Pose::IDENTITY);
+            let solids = (&solid(shapes.0, look.assets), &solid(shapes.1, look.assets));
+            for manifold in &meeting::collide_at(&base, solids) {
+                self.take_over(&found, (manifold, &base), Some(memory), &olds);
+            }
+        } else {
+            let solids = (&solid(shapes.0, look.assets), &solid(shapes.1, look.assets));
+            for manifold in &found.meeting.collide(solids) {
+                self.take_over(&found, (manifold, &found.meeting.b_in_a), None, &olds);
+            }
+        }
+        // What was not taken over has ended.
+        for old in &olds {
+            if self.touches[old.place].shapes == [0; 2] {
+                self.end(old.place);
+            }
+        }
+    }
+
+    /// Finds the points of a settled contact again. False when they are not those of the contact.
+    fn remember(&mut self, look: &Look<'_>, found: &Found<'_>, place: usize) -> bool {
+        let memo = meeting::memo_again(&self.rows[place], found.shapes, found.exchanged, look.assets);
+        memo.inspect(|memo| self.memos[place] = *memo).is_some()
+    }
+
+    /// Copies of the pair's contacts, whose touches are cleared: they end unless they are taken over.
+    fn olds(&mut self, look: &Look<'_>, found: &Found<'_>, first: usize) -> Olds {
+        let mut olds = Olds::new();
+        for place in first..self.next {
+            let row = self.rows[place];
+            let remembered = row.settled == 0 || look.memos_fit || self.remember(look, found, place);
+            let features = match (row.settled, remembered) {
+                (0, _) => [row.memory[0], row.memory[1], row.memory[2], row.memory[3]],
+                (_, true) => self.memos[place].tail,
+                (_, false) => [0; POINTS_MAX],
+            };
+            self.touches[place].shapes = [0; 2];
+            if olds.push(Old { row, features, place }).is_err() {
+                self.end(place);
+            }
+        }
+        olds
+    }
+
+    /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact keeps.
+    fn take_over(
+        &mut self,
+        found: &Found<'_>,
+        (manifold, b_in_a): (&Manifold, &Pose),
+        base: Option<[u32; 5]>,
+        olds: &Olds,
+    ) {
+        let mut features = [0; POINTS_MAX];
+        for (feature, point) in features.iter_mut().zip(&manifold.points) {
+            *feature = point.feature;
+        }
+        let [f, g, h, i] = features;
+        let mut row = ContactRow {
+            pair: found.pair,
+            child: manifold.child,
+            points: manifold.points.len() as u8,
+            phase: UNORDERED,
+            settled: u8::from(base.is_some()),
+            memory: base.unwrap_or([f, g, h, i, 0]),
+            ..ContactRow::zeroed()
+        };
+        let old = olds.iter().find(|old| old.row.child == manifold.child);
+        carry_over(&mut row, &features, old, olds);
+        let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
+        let touch = found.touch(base.is_some());
+        if let Some(old) = old {
+            self.rows[old.place] = row;
+            self.memos[old.place] = memo;
+            self.touches[old.place] = touch;
+            return;
+        }
+        let Some(birth) = self.births.get_mut(self.result.born as usize) else {
+            self.result.dropped += 1;
+            return;
+        };
+        let later = olds.iter().find(|old| old.row.child > manifold.child).map_or(self.next, |old| old.place);
+        *birth = Birth { row, before: self.result.first + later as u32, memo, touch };
+        self.result.born += 1;
+    }
 }
 
 /// Takes over the impulses of points whose features touched before. New points share what the lost ones carried.
 ///
 /// Of a face's many corners four are chosen, and which four can change in every step: a load that was dropped each
 /// time shook stacks of turned boxes until they crept (8 mm/s in a tower of ten).
-fn carry_over(row: &mut ContactRow, old: &[ContactRow], kept: &mut u32) {
+fn carry_over(row: &mut ContactRow, features: &[u32; POINTS_MAX], old: Option<&Old>, olds: &Olds) {
+    let count = usize::from(row.points);
     let mut fresh: heapless::Vec<usize, POINTS_MAX> = heapless::Vec::new();
-    for (i, feature) in row.features[..row.points as usize].iter().enumerate() {
-        let place =
-            |before: &ContactRow| before.features[..before.points as usize].iter().position(|f| f == feature);
-        match old.iter().find_map(|before| place(before).map(|k| before.impulses[k])) {
-            Some(impulse) => {
-                row.impulses[i] = impulse;
-                *kept = 1;
-            }
+    for (i, feature) in features[..count].iter().enumerate() {
+        let place = |old: &Old| old.features[..usize::from(old.row.points)].iter().position(|f| f == feature);
+        match olds.iter().find_map(|old| place(old).map(|k| old.row.impulses[k])) {
+            Some(impulse) => row.impulses[i] = impulse,
             None => {
                 let _ = fresh.push(i);
             }
         }
     }
-    let Some(before) = old.iter().find(|before| before.child == row.child) else { return };
-    row.friction = before.friction;
-    row.twist = before.twist;
-    *kept = 1;
-    let stays = |feature: &u32| row.features[..row.points as usize].contains(feature);
+    let Some(old) = old else { return };
+    row.friction = old.row.friction;
+    row.twist = old.row.twist;
+    row.phase = old.row.phase;
     let mut lost = 0.0;
-    for (feature, impulse) in before.features[..before.points as usize].iter().zip(before.impulses) {
-        lost += if stays(feature) { 0.0 } else { impulse };
+    for (feature, impulse) in old.features[..usize::from(old.row.points)].iter().zip(old.row.impulses) {
+        lost += if features[..count].contains(feature) { 0.0 } else { impulse };
     }
     for &i in &fresh {
         row.impulses[i] = lost / fresh.len() as f32;
     }
-}
-
-/// Lists the touches that become contacts, in order. When there are too many, touching ones come before new ones,
-/// then pair order decides.
-fn choose(state: &State<'_>, scratch: &mut Scratch<'_>, touches: usize, counts: &mut Counts) -> usize {
-    let room = state.contacts.len();
-    let mut count = 0;
-    for (i, touch) in scratch.touches[..touches].iter().enumerate() {
-        if touch.row.points > 0 {
-            scratch.candidates[count] = i as u32;
-            count += 1;
-        }
-    }
-    if count > room {
-        let touches = &*scratch.touches;
-        let candidates = &mut scratch.candidates[..count];
-        candidates.sort_unstable_by_key(|&i| (touches[i as usize].kept == 0, i));
-        counts.dropped_contacts += (count - room) as u32;
-        count = room;
-        scratch.candidates[..count].sort_unstable();
-    }
-    scratch.contact_touch[..count].copy_from_slice(&scratch.candidates[..count]);
-    count
-}
-
-/// Writes the chosen touches' rows to the state.
-fn copy_contacts<E: Executor>(
-    state: &mut State<'_>,
-    scratch: &Scratch<'_>,
-    count: usize,
-    crew: &mut Crew<'_, E>,
-) {
-    let before = state.header[0].contacts as usize;
-    let (rows, rest) = state.contacts.split_at_mut(count);
-    if before > count {
-        rest[..before - count].fill(ContactRow::zeroed());
-    }
-    state.header[0].contacts = count as u32;
-    let share = chunk(count, COPY_CONTACTS);
-    let touches = &*scratch.touches;
-    let mut tasks: Tasks<(&mut [ContactRow], &[u32])> =
-        rows.chunks_mut(share).zip(scratch.contact_touch[..count].chunks(share)).collect();
-    crew.run(Stage::Narrowphase, &mut tasks, |(rows, from)| {
-        for (row, &touch) in rows.iter_mut().zip(*from) {
-            *row = touches[touch as usize].row;
-        }
-    });
 }

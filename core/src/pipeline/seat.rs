@@ -4,7 +4,7 @@
 //! seat that had the body last. The seats of a phase are contiguous by group, so a task owns its own by
 //! `split_at_mut` and reads those of the other phases shared: no gather over the world, no false sharing.
 
-use crate::lanes::Lane;
+use crate::lanes::Words;
 use bytemuck::{Pod, Zeroable};
 
 /// A body's velocity and motion while it is solved. Two rows of 32 bytes.
@@ -12,9 +12,9 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Seat {
     /// `[v, inverse mass, w~, locks]`: m/s, 1/kg, whitened angular velocity, locked axes as x + 2 y + 4 z.
-    pub velocity: Lane,
+    pub velocity: Words,
     /// `[dx, 0, turn~, 0]`: motion in this substep, metres and whitened rotation vector.
-    pub moved: Lane,
+    pub moved: Words,
 }
 
 /// The seat keeps what it has: no other phase has the body.

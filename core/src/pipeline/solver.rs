@@ -8,7 +8,7 @@
 
 use crate::config::Settings;
 use crate::constraint::contact::{self, Pass, Sweep};
-use crate::constraint::row::{LinkRow, PointRow};
+use crate::constraint::row::{Bias, LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::Mover;
@@ -49,13 +49,18 @@ struct Task<'a> {
     points: &'a mut [PointRow],
 }
 
+/// How contacts are biased.
+pub(crate) fn bias(settings: &Settings) -> Bias {
+    Bias { rate: 1.0 / settings.substep(), push_speed: settings.push_speed }
+}
+
 /// Solves and integrates the step.
 pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
     let substep = settings.substep();
     let sweep = |pass| Sweep {
         pass,
         substep,
-        push_speed: settings.push_speed,
+        bias: bias(settings),
         restitution_threshold: settings.restitution_threshold,
     };
     run_sweep(rows, &sweep(Pass::Warm), Motion::PushFirst, crew);

@@ -80,6 +80,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         }
         state.bodies[slot] = BodyRow::zeroed();
         state.motions[slot] = Zeroable::zeroed();
+        state.dirt[slot] = 0;
         pool::release(&mut state.header[0].bodies, state.body_used, slot as u32);
         state.header[0].pairs_stale |= PAIRS_REMOVED;
         Ok(())

@@ -23,8 +23,6 @@ pub struct Contact {
     pub child: u32,
     /// Number of points, 1..=4.
     pub points: u32,
-    /// Features of the points; only the first `points` mean something.
-    pub features: [u32; 4],
     /// Normal impulses of the points in the last substep, N s: force times substep. Not negative.
     pub impulses: [f32; 4],
     /// Friction impulse on the second body in the last substep, N s in the world.
@@ -89,8 +87,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
                 BodyHandle { index, generation: body_generations[index as usize] }
             }),
             child: row.child,
-            points: row.points,
-            features: row.features,
+            points: u32::from(row.points),
             impulses: row.impulses,
             friction: row.friction,
             twist: row.twist,

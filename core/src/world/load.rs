@@ -4,12 +4,14 @@ use super::World;
 use super::snapshot::{Section, check_content, parts};
 use crate::arena::Line;
 use crate::body::{self, BodyKind, BodyRow, FLAGS_ALL, Motion};
+use crate::cells::{CELLULAR_PHASES_MAX, UNORDERED};
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
 use crate::math::{Rotation, Vec3};
+use crate::pipeline::meeting;
 use crate::pool::{Marks, words};
 use crate::shape::{BOX_STALE, FRESH, Geometry, ShapeRow};
-use crate::state::{ContactRow, Header, Pair};
+use crate::state::{AssetTables, ContactRow, Header, Pair};
 use crate::validate;
 use bytemuck::{AnyBitPattern, Zeroable};
 
@@ -53,14 +55,17 @@ struct Parts<'a> {
     shape_used: Rows<'a, u64>,
     pairs: Rows<'a, Pair>,
     contacts: Rows<'a, ContactRow>,
+    dirt: Rows<'a, u8>,
 }
 
 /// What rows may refer to.
-struct Limits {
+struct Limits<'a> {
     bodies: u32,
     shapes: u32,
     hulls: u32,
     meshes: u32,
+    /// The assets, by which settled contacts are checked.
+    tables: AssetTables<'a>,
 }
 
 type Checked = Result<(), SnapshotError>;
@@ -91,6 +96,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             shape_used,
             pairs,
             contacts,
+            _,
+            dirt,
         ] = parts(snapshot, &sections);
         let parts = Parts {
             header,
@@ -103,6 +110,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             shape_used: Rows::new(shape_used),
             pairs: Rows::new(pairs),
             contacts: Rows::new(contacts),
+            dirt: Rows::new(dirt),
         };
         let assets = self.layout.assets.header.of(self.bytes())[0];
         let limits = Limits {
@@ -110,6 +118,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             shapes: self.capacities.shapes,
             hulls: assets.hulls,
             meshes: assets.meshes,
+            tables: self.asset_tables(),
         };
         parts.check(&limits)?;
         self.copy_in(snapshot, &header);
@@ -118,7 +127,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
 }
 
 impl Parts<'_> {
-    fn check(&self, limits: &Limits) -> Checked {
+    fn check(&self, limits: &Limits<'_>) -> Checked {
         let header = &self.header;
         let settings = header.settings.read().is_some();
         let counters = header.step < COUNTER_MAX && header.static_version < COUNTER_MAX;
@@ -133,7 +142,7 @@ impl Parts<'_> {
         }
         self.check_lists()?;
         self.check_pairs()?;
-        self.check_contacts()
+        self.check_contacts(&limits.tables)
     }
 
     fn body_is_used(&self, slot: u32) -> bool {
@@ -147,7 +156,7 @@ impl Parts<'_> {
     fn body_holds(&self, slot: u32) -> bool {
         let (row, motion) = (self.bodies.get(slot), self.motions.get(slot));
         if !self.body_is_used(slot) {
-            return is_zero(&row) && is_zero(&motion);
+            return is_zero(&row) && is_zero(&motion) && self.dirt.get(slot) == 0;
         }
         let is_static = row.kind() == BodyKind::Static;
         let still = motion.linear == Vec3::ZERO && motion.angular == Vec3::ZERO;
@@ -172,7 +181,7 @@ impl Parts<'_> {
             && validate::vector_within("", row.torque, 1.0e15).is_ok()
     }
 
-    fn shape_holds(&self, slot: u32, limits: &Limits) -> bool {
+    fn shape_holds(&self, slot: u32, limits: &Limits<'_>) -> bool {
         let row = self.shapes.get(slot);
         if !self.shape_is_used(slot) {
             return is_zero(&row);
@@ -244,27 +253,46 @@ impl Parts<'_> {
         renewed || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && (a.is_convex() || b.is_convex()))
     }
 
-    fn check_contacts(&self) -> Checked {
+    fn check_contacts(&self, assets: &AssetTables<'_>) -> Checked {
         let mut before = None;
         for (i, row) in self.contacts.iter().enumerate() {
             let ascends = before.is_none_or(|before| before < row.key());
-            require(ascends && self.contact_holds(&row), "contacts", i as u32)?;
+            require(ascends && self.contact_holds(&row, assets), "contacts", i as u32)?;
             before = Some(row.key());
         }
         Ok(())
     }
 
-    fn contact_holds(&self, row: &ContactRow) -> bool {
+    fn contact_holds(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
         let impulse = |x: f32| x.is_finite() && x >= 0.0 && x.to_bits() != (-0.0_f32).to_bits();
-        let unused = row.points.min(4) as usize..4;
+        let unused = usize::from(row.points.min(4))..4;
         row.pair.a < row.pair.b
             && row.pair.b < self.header.shapes.high
             && (1..=4).contains(&row.points)
             && row.impulses.iter().all(|&x| impulse(x))
             && row.impulses[unused.clone()].iter().all(|&x| x == 0.0)
-            && row.features[unused].iter().all(|&x| x == 0)
+            && row.reserved == 0
+            && self.memory_holds(row, assets)
+            && (row.phase == UNORDERED || usize::from(row.phase) < CELLULAR_PHASES_MAX)
             && row.friction.is_finite()
             && row.twist.is_finite()
+    }
+
+    /// A settled contact has as many points as are found at its base; another one names the features of its points.
+    fn memory_holds(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
+        if row.settled == 0 {
+            return row.memory[usize::from(row.points)..].iter().all(|&x| x == 0);
+        }
+        let known = |slot: u32| self.shape_is_used(slot) && self.shapes.get(slot).flags & FRESH == 0;
+        if row.settled != 1 || row.child != 0 || meeting::unpack(&row.memory).is_none() {
+            return false;
+        }
+        if !known(row.pair.a) || !known(row.pair.b) {
+            return true;
+        }
+        let (a, b) = (self.shapes.get(row.pair.a), self.shapes.get(row.pair.b));
+        meeting::settling_radii((&a, &b), assets).is_some()
+            && meeting::memo_again(row, (&a, &b), false, assets).is_some()
     }
 }
 

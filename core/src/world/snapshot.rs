@@ -49,7 +49,7 @@ impl Section {
 }
 
 /// How many sections the state has.
-pub(super) const SECTIONS: usize = 10;
+pub(super) const SECTIONS: usize = 12;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
@@ -79,6 +79,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             section!(shape_used, u64, words(shapes)),
             section!(pairs, crate::state::Pair, header.pairs as usize),
             section!(contacts, crate::state::ContactRow, header.contacts as usize),
+            section!(ordering, crate::cells::OrderingRow, 1),
+            section!(dirt, u8, bodies),
         ]
     }
 

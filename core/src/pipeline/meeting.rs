@@ -1,0 +1,242 @@
+//! Two shapes meet: their relative pose, their points, and whether the points of before still serve.
+//!
+//! **Settled contacts.** Most pairs of polytopes in a pile hardly move against each other. Their points are found
+//! once, at a *base* pose that the state keeps, and stay points of the two shapes as long as the shapes are near
+//! that pose: the separations follow from where the points are now. What was found lies in the cache as a
+//! [`Memo`]; after a restore it is found again at the base, to the same bits.
+//!
+//! The base is rounded so that it takes 20 bytes. It is where points are *looked for*; where they are, and how far
+//! apart, is always computed from the exact poses.
+
+use crate::body::{BodyRow, Motion};
+use crate::collide::{self, Manifold, Manifolds, Solid};
+use crate::config::SPECULATIVE_DISTANCE;
+use crate::lanes::Words;
+use crate::math::{Pose, Rotation, Vec3, length, sqrt};
+use crate::pipeline::solid;
+use crate::shape::{GEOMETRY_BOX, GEOMETRY_HULL, ShapeRow};
+use crate::state::{AssetTables, ContactRow, Memo};
+use bytemuck::Zeroable;
+
+/// Farthest that a point of a settled contact may have moved since it was found, metres: a quarter of the
+/// speculative distance, by which points were looked for farther.
+const DRIFT_MAX: f32 = SPECULATIVE_DISTANCE / 4.0;
+/// The same as a share of the smaller shape's radius.
+const DRIFT_SHARE: f32 = 1.0 / 64.0;
+
+/// The frame of a shape in world axes, from its body's center.
+#[inline(always)]
+pub(crate) fn frame_words(pose: &Pose) -> Words {
+    let (p, q) = (pose.position, pose.rotation);
+    Words::new([p.x, p.y, p.z, 0.0, q.x, q.y, q.z, q.w])
+}
+
+#[inline(always)]
+fn frame_of(words: Words) -> Pose {
+    let x = words.to_array();
+    Pose::new(Vec3::new(x[0], x[1], x[2]), Rotation::new(x[4], x[5], x[6], x[7]))
+}
+
+/// Where everything is.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub shapes: &'a [ShapeRow],
+    pub bodies: &'a [BodyRow],
+    pub motions: &'a [Motion],
+    pub frames: &'a [Words],
+}
+
+/// The relative pose of two shapes, and how far apart points are looked for.
+pub(crate) struct Meeting {
+    /// Pose of B's frame in A's.
+    pub b_in_a: Pose,
+    /// From the center of body A to that of body B.
+    pub centers: Vec3,
+    /// How far one center moves against the other in this step, metres.
+    pub way: f32,
+}
+
+impl Meeting {
+    pub fn new(scene: &Scene<'_>, (a, b): (u32, u32), dt: f32) -> Self {
+        let body = |slot: u32| &scene.motions[scene.shapes[slot as usize].body as usize];
+        let (ma, mb) = (body(a), body(b));
+        let centers = mb.center.minus(ma.center);
+        let (frame_a, frame_b) = (frame_of(scene.frames[a as usize]), frame_of(scene.frames[b as usize]));
+        let b_in_a = Pose::new(
+            frame_a.untransform(frame_b.position + centers),
+            frame_a.rotation.inverse().after(frame_b.rotation),
+        );
+        Self { b_in_a, centers, way: length(mb.linear - ma.linear) * dt }
+    }
+
+    /// True when points can be kept: the bodies hardly move in this step.
+    pub fn is_slow(&self) -> bool {
+        self.way <= DRIFT_MAX
+    }
+
+    /// Points at the poses now. Fast bodies are stopped at the surface, not behind it: look as far as they come.
+    pub fn collide(&self, solids: (&Solid<'_>, &Solid<'_>)) -> Manifolds {
+        let mut found = Manifolds::new();
+        let pose = Pose::new(self.b_in_a.position, self.b_in_a.rotation.normalized());
+        collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE + self.way, &mut found);
+        found
+    }
+
+    /// True when the pose is still within the drift of a settled contact with this base.
+    pub fn is_near(&self, base: &Pose, (a, b): (Radius, Radius)) -> bool {
+        let turn = self.b_in_a.rotation.after(base.rotation.inverse());
+        // The motion of the smaller shape's middle in the frame of the larger one.
+        let (radius, way) = if b.squared <= a.squared {
+            (b.squared, self.b_in_a.position - base.position)
+        } else {
+            let now = self.b_in_a.rotation.unrotate(self.b_in_a.position);
+            (a.squared, now - base.rotation.unrotate(base.position))
+        };
+        let i = turn.imaginary();
+        let most = crate::math::min(DRIFT_MAX * DRIFT_MAX, DRIFT_SHARE * DRIFT_SHARE * radius);
+        // The angle is twice the imaginary part for a small turn; the real part is -1 as well as 1.
+        way.dot(way) <= most && 4.0 * i.dot(i) * radius <= most
+    }
+}
+
+/// Points of a settled contact: those found at its base, a little farther apart than they may come to touch.
+pub(crate) fn collide_at(base: &Pose, solids: (&Solid<'_>, &Solid<'_>)) -> Manifolds {
+    let mut found = Manifolds::new();
+    collide::collide(solids.0, solids.1, base, SPECULATIVE_DISTANCE + DRIFT_MAX, &mut found);
+    found
+}
+
+/// How far a polytope reaches from the origin of its frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Radius {
+    /// m2.
+    pub squared: f32,
+}
+
+/// The radii of a pair whose contact may settle: both are polytopes. Round shapes roll, and are quickly collided.
+pub(crate) fn settling_radii(
+    (a, b): (&ShapeRow, &ShapeRow),
+    assets: &AssetTables<'_>,
+) -> Option<(Radius, Radius)> {
+    Some((radius(a, assets)?, radius(b, assets)?))
+}
+
+fn radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> Option<Radius> {
+    match shape.kind {
+        GEOMETRY_BOX => {
+            let half = Vec3::from_array(shape.size);
+            Some(Radius { squared: half.dot(half) })
+        }
+        GEOMETRY_HULL => Some(Radius { squared: assets.hulls[shape.asset() as usize].radius_squared }),
+        _ => None,
+    }
+}
+
+/// The memo of a manifold in the frames of shapes A and B by slot; `exchanged` when the solver's order is the other.
+pub(crate) fn memo(manifold: &Manifold, b_in_a: &Pose, exchanged: bool, settled: bool) -> Memo {
+    let mut memo = Memo::zeroed();
+    let n = manifold.normal;
+    memo.normal = if exchanged { -b_in_a.rotation.unrotate(n) } else { n };
+    for (i, point) in manifold.points.iter().enumerate() {
+        let half = n * (0.5 * point.separation);
+        let on_a = point.position - half;
+        let on_b = b_in_a.untransform(point.position + half);
+        (memo.on_a[i], memo.on_b[i]) = if exchanged { (on_b, on_a) } else { (on_a, on_b) };
+        memo.tail[i] = if settled { point.feature } else { point.separation.to_bits() };
+    }
+    memo
+}
+
+/// The memo of a settled contact, found again at its base. `None` when it has other points than the contact: a state
+/// that no step made.
+pub(crate) fn memo_again(
+    row: &ContactRow,
+    shapes: (&ShapeRow, &ShapeRow),
+    exchanged: bool,
+    assets: &AssetTables<'_>,
+) -> Option<Memo> {
+    let base = unpack(&row.memory)?;
+    let found = collide_at(&base, (&solid(shapes.0, assets), &solid(shapes.1, assets)));
+    let manifold = found.first()?;
+    (manifold.points.len() == usize::from(row.points)).then(|| memo(manifold, &base, exchanged, true))
+}
+
+/// Bits of each of the three lesser components of a packed rotation.
+const COMPONENT_BITS: u32 = 20;
+/// Largest packed component.
+const COMPONENT_MAX: i32 = (1 << (COMPONENT_BITS - 1)) - 1;
+/// A lesser component of a unit quaternion is at most the root of one half.
+const COMPONENT_SCALE: f32 = COMPONENT_MAX as f32 * core::f32::consts::SQRT_2;
+
+/// A pose in 20 bytes: the rotation by its three lesser components, to 5e-6 rad. Exact for no rotation.
+pub(crate) fn pack(pose: &Pose) -> [u32; 5] {
+    let (p, q) = (pose.position, pose.rotation);
+    let parts = [q.x, q.y, q.z, q.w];
+    let mut largest = 3;
+    for i in 0..3 {
+        if parts[i].abs() > parts[largest].abs() {
+            largest = i;
+        }
+    }
+    let sign = if parts[largest] < 0.0 { -1.0 } else { 1.0 };
+    let mut bits = largest as u64;
+    for (i, part) in parts.iter().enumerate() {
+        if i != largest {
+            let rounded = libm::rintf(sign * part * COMPONENT_SCALE) as i32;
+            let rounded = rounded.clamp(-COMPONENT_MAX, COMPONENT_MAX);
+            bits = bits << COMPONENT_BITS | (rounded as u64 & ((1 << COMPONENT_BITS) - 1));
+        }
+    }
+    [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), bits as u32, (bits >> 32) as u32]
+}
+
+/// The pose that [`pack`] wrote; `None` for bits that it does not write.
+pub(crate) fn unpack(memory: &[u32; 5]) -> Option<Pose> {
+    let position = Vec3::new(f32::from_bits(memory[0]), f32::from_bits(memory[1]), f32::from_bits(memory[2]));
+    let bits = u64::from(memory[4]) << 32 | u64::from(memory[3]);
+    let largest = (bits >> (3 * COMPONENT_BITS)) as usize;
+    let mut parts = [0.0_f32; 4];
+    let mut rest = 1.0;
+    let mut shift = 3 * COMPONENT_BITS;
+    for (i, part) in parts.iter_mut().enumerate() {
+        if i != largest {
+            shift = shift.checked_sub(COMPONENT_BITS)?;
+            // The shift to the left and back extends the sign.
+            let raw = ((bits >> shift) as u32) << (32 - COMPONENT_BITS);
+            let component = (raw as i32) >> (32 - COMPONENT_BITS);
+            *part = component as f32 * (1.0 / COMPONENT_SCALE);
+            rest -= *part * *part;
+        }
+    }
+    *parts.get_mut(largest)? = sqrt(if rest > 0.0 { rest } else { 0.0 });
+    let rotation = Rotation::new(parts[0], parts[1], parts[2], parts[3]);
+    position.is_finite().then_some(Pose::new(position, rotation))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_packed_pose_comes_back() {
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE / length(Vec3::ONE), Vec3::new(0.6, 0.0, -0.8)];
+        for axis in axes {
+            for k in -40..=40 {
+                let rotation = Rotation::from_axis_angle(axis, 0.1 * k as f32);
+                let pose = Pose::new(Vec3::new(1.5, -2.25e3, 1.0e-7), rotation);
+                let again = unpack(&pack(&pose)).expect("packed");
+                assert_eq!(again.position, pose.position);
+                let turn = again.rotation.after(rotation.inverse()).imaginary();
+                assert!(2.0 * length(turn) < 5.0e-6, "{axis} {k}: {turn}");
+            }
+        }
+        assert_eq!(unpack(&pack(&Pose::IDENTITY)), Some(Pose::IDENTITY));
+    }
+
+    #[test]
+    fn bits_that_are_no_pose_are_refused() {
+        assert_eq!(unpack(&[f32::NAN.to_bits(), 0, 0, 0, 0]), None);
+        assert_eq!(unpack(&[f32::INFINITY.to_bits(), 0, 0, 0, 3 << 28]), None);
+        assert_eq!(unpack(&[0, 0, 0, 0, 1 << 31]), None);
+    }
+}
