@@ -247,6 +247,8 @@ pub(crate) struct BodyRow {
     pub first_shape: u32,
     /// `KIND_*`, `LOCKS_SHIFT` and the flags below.
     pub flags: u32,
+    /// Orientation for which the arms of settled contacts are taken, packed; see `pipeline/rows.rs`.
+    pub stance: [u32; 2],
 }
 
 pub(crate) const KIND_MASK: u32 = 3;
@@ -307,6 +309,12 @@ impl BodyRow {
     }
 }
 
+/// A local pose of a body with this rotation in world axes, relative to the center of mass.
+#[inline]
+pub(crate) fn turned_frame(rotation: Rotation, row: &BodyRow, local: &Pose) -> Pose {
+    Pose::new(rotation.rotate(local.position - row.local_center), rotation.after(local.rotation))
+}
+
 impl Motion {
     /// The pose of the body's origin relative to its center of mass.
     #[inline]
@@ -317,10 +325,7 @@ impl Motion {
     /// A local pose of the body in world axes, relative to the center of mass.
     #[inline]
     pub fn local_to_center(&self, row: &BodyRow, local: &Pose) -> Pose {
-        Pose::new(
-            self.rotation.rotate(local.position - row.local_center),
-            self.rotation.after(local.rotation),
-        )
+        turned_frame(self.rotation, row, local)
     }
 
     pub fn is_finite(&self) -> bool {

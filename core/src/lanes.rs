@@ -144,6 +144,12 @@ impl Mask {
         Lane(self.0.bitselect(yes.0, no.0))
     }
 
+    /// `yes` where true, `no` where false.
+    #[inline(always)]
+    pub fn select_vec(self, yes: LaneVec, no: LaneVec) -> LaneVec {
+        LaneVec::new(self.select(yes.x, no.x), self.select(yes.y, no.y), self.select(yes.z, no.z))
+    }
+
     /// `x` where true, 0 where false.
     #[inline(always)]
     pub fn keep(self, x: Lane) -> Lane {

@@ -107,6 +107,57 @@ impl Default for Rotation {
     }
 }
 
+/// Bits of each of the three lesser components of a packed rotation.
+const COMPONENT_BITS: u32 = 20;
+/// Largest packed component.
+const COMPONENT_MAX: i32 = (1 << (COMPONENT_BITS - 1)) - 1;
+/// A lesser component of a unit quaternion is at most the root of one half.
+const COMPONENT_SCALE: f32 = COMPONENT_MAX as f32 * core::f32::consts::SQRT_2;
+
+impl Rotation {
+    /// The rotation in 8 bytes, by its three lesser components, to 5e-6 rad. Exact for no rotation.
+    pub(crate) fn pack(self) -> [u32; 2] {
+        let parts = [self.x, self.y, self.z, self.w];
+        let mut largest = 3;
+        for i in 0..3 {
+            if parts[i].abs() > parts[largest].abs() {
+                largest = i;
+            }
+        }
+        let sign = if parts[largest] < 0.0 { -1.0 } else { 1.0 };
+        let mut bits = largest as u64;
+        for (i, part) in parts.iter().enumerate() {
+            if i != largest {
+                let rounded = libm::rintf(sign * part * COMPONENT_SCALE) as i32;
+                let rounded = rounded.clamp(-COMPONENT_MAX, COMPONENT_MAX);
+                bits = bits << COMPONENT_BITS | (rounded as u64 & ((1 << COMPONENT_BITS) - 1));
+            }
+        }
+        [bits as u32, (bits >> 32) as u32]
+    }
+
+    /// The rotation that [`Rotation::pack`] wrote; `None` for bits that it does not write.
+    pub(crate) fn unpack([low, high]: [u32; 2]) -> Option<Self> {
+        let bits = u64::from(high) << 32 | u64::from(low);
+        let largest = (bits >> (3 * COMPONENT_BITS)) as usize;
+        let mut parts = [0.0_f32; 4];
+        let mut rest = 1.0;
+        let mut shift = 3 * COMPONENT_BITS;
+        for (i, part) in parts.iter_mut().enumerate() {
+            if i != largest {
+                shift = shift.checked_sub(COMPONENT_BITS)?;
+                // The shift to the left and back extends the sign.
+                let raw = ((bits >> shift) as u32) << (32 - COMPONENT_BITS);
+                let component = (raw as i32) >> (32 - COMPONENT_BITS);
+                *part = component as f32 * (1.0 / COMPONENT_SCALE);
+                rest -= *part * *part;
+            }
+        }
+        *parts.get_mut(largest)? = sqrt(if rest > 0.0 { rest } else { 0.0 });
+        Some(Self::new(parts[0], parts[1], parts[2], parts[3]))
+    }
+}
+
 impl Rotation {
     /// No rotation.
     pub const IDENTITY: Self = Self { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };

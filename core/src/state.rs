@@ -6,7 +6,7 @@
 
 use crate::arena::region;
 use crate::body::{BodyRow, Motion};
-use crate::cells::{self, Block, Link, OrderingRow};
+use crate::cells::{self, Block, Link, OrderingRow, UNORDERED};
 use crate::collide::{Edge, Face, Hull, Mesh, Plane, Triangle, tree};
 use crate::collide::{HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX};
 use crate::config::SettingsRow;
@@ -59,17 +59,10 @@ pub(crate) struct Pair {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct ContactRow {
     pub pair: Pair,
-    /// Part of a concave shape.
-    pub child: u32,
-    /// Points, 1..=4.
-    pub points: u8,
-    /// Phase of the ordering, or `cells::UNORDERED`.
-    pub phase: u8,
-    /// 1 when the contact is settled: `memory` is the pose at which its points were found, and they are found anew
-    /// only when the shapes have moved away from it. Else 0, and `memory` holds the features of the points.
-    pub settled: u8,
-    /// Zero.
-    pub reserved: u8,
+    /// See [`Tag`].
+    pub tag: Tag,
+    /// Settled contact: the pose at which its points were found; `pipeline/meeting.rs` tells when they are found
+    /// anew. Else the features of the points, and 0.
     pub memory: [u32; 5],
     /// Normal impulses of the points, N s, not negative.
     pub impulses: [f32; 4],
@@ -82,7 +75,51 @@ pub(crate) struct ContactRow {
 impl ContactRow {
     /// Sort key of the pool: pair, then child.
     pub fn key(&self) -> (Pair, u32) {
-        (self.pair, self.child)
+        (self.pair, self.tag.child())
+    }
+}
+
+/// What a contact is, in a word: part of a concave shape (24 bits), points (3), settled (1), phase (4).
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct Tag(u32);
+
+/// The phase bits of a link that has none yet.
+const TAG_UNORDERED: u32 = 15;
+
+impl Tag {
+    /// A contact without phase.
+    pub fn new(child: u32, points: usize, is_settled: bool) -> Self {
+        Self(child << 8 | (points as u32) << 5 | u32::from(is_settled) << 4 | TAG_UNORDERED)
+    }
+
+    /// Part of a concave shape: its least triangle; 0 else.
+    pub fn child(self) -> u32 {
+        self.0 >> 8
+    }
+
+    /// Points, 1..=4; 0 when the contact has ended.
+    pub fn points(self) -> usize {
+        (self.0 >> 5 & 7) as usize
+    }
+
+    pub fn is_settled(self) -> bool {
+        self.0 >> 4 & 1 != 0
+    }
+
+    /// Phase of the ordering, or `cells::UNORDERED`.
+    pub fn phase(self) -> u8 {
+        if self.0 & 15 == TAG_UNORDERED { UNORDERED } else { (self.0 & 15) as u8 }
+    }
+
+    pub fn set_phase(&mut self, phase: u8) {
+        let bits = if phase == UNORDERED { TAG_UNORDERED } else { u32::from(phase) };
+        self.0 = self.0 & !15 | bits;
+    }
+
+    /// Marks the contact as ended.
+    pub fn end(&mut self) {
+        self.0 &= !(7 << 5);
     }
 }
 
@@ -360,6 +397,8 @@ region! {
         found: u64 = 2 * c.pairs as usize,
         /// Frames of the shapes in world axes, from their bodies' centers: `[position, 0, rotation]`.
         frames: Words = c.shapes as usize,
+        /// The same with the bodies turned as in their stances.
+        stances: Words = c.shapes as usize,
         /// Contacts that begin, in runs by pair.
         births: Birth = c.pairs as usize + c.contacts as usize,
         /// Of the contacts of the step before; then, if some began or ended, of those of this one.

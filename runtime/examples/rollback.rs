@@ -4,7 +4,7 @@
 
 use cellstep::math::Vec3;
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, Capacities, Error, Geometry, Line, Pool, Serial, ShapeDef, World,
+    BodyDef, BodyHandle, BodyKind, Capacities, Error, Geometry, Memory, Pool, Serial, ShapeDef, World,
     new_world,
 };
 
@@ -12,7 +12,7 @@ use cellstep::{
 const LATENCY: u32 = 30;
 
 /// A wall of 8 x 8 boxes, and a ball before it.
-fn wall() -> Result<(World<Vec<Line>>, BodyHandle), Error> {
+fn wall() -> Result<(World<Memory>, BodyHandle), Error> {
     let mut world = new_world(Capacities::for_bodies(66))?;
     let ground = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO))?;
     world.create_shape(ground, &ShapeDef::new(Geometry::HalfSpace))?;

@@ -47,7 +47,8 @@ mod loom_models;
 pub(crate) const TASKS_MAX: usize = u16::MAX as usize;
 
 /// A claim takes one of this many parts of the tasks left in a home, rounded up. Fewer parts make fewer
-/// claims; more parts leave less behind with a worker that loses its core.
+/// claims; more parts leave less behind with a worker that loses its core. Measured on a pyramid of 1,830
+/// boxes, two workers by one: 0.92 with 1 part (nothing can be stolen), 0.77 with 2, 4 and 8.
 const CLAIM_PARTS: u16 = 4;
 
 /// The caller sleeps until the counter reaches zero (in [`Barrier::unfinished`]).

@@ -36,6 +36,7 @@ mod epoch;
 pub mod float_mode;
 #[allow(unsafe_code)]
 mod job;
+mod memory;
 pub mod pool;
 #[cfg(feature = "scene")]
 pub mod scene;
@@ -44,18 +45,18 @@ mod sync;
 pub mod timed;
 
 pub use cellstep_core::*;
+pub use memory::Memory;
 pub use pool::Pool;
 pub use timed::Timed;
 
-/// Makes a world on memory from the heap, all of it now: stepping allocates nothing.
+/// Makes a world on memory from the heap: stepping allocates nothing. Room that no scene fills costs nothing
+/// either, see [`Memory`].
 ///
 /// # Errors
 /// Those of [`World::new`]; [`Error::MemoryTooSmall`] with nothing given when the system has not so much
 /// memory.
-pub fn new_world(capacities: Capacities) -> Result<World<Vec<Line>>, Error> {
+pub fn new_world(capacities: Capacities) -> Result<World<Memory>, Error> {
     capacities.check()?;
     let needed = capacities.lines();
-    // Zeroed by the system, page by page as they are first used: room that no scene fills costs nothing.
-    let memory = bytemuck::allocation::try_zeroed_vec(needed);
-    World::new(memory.map_err(|()| Error::MemoryTooSmall { needed, given: 0 })?, capacities)
+    World::new(Memory::zeroed(needed).ok_or(Error::MemoryTooSmall { needed, given: 0 })?, capacities)
 }

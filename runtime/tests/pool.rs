@@ -1,7 +1,9 @@
 //! The pool seen from outside: every task once, panics, shutdown, whatever the number of workers.
 #![cfg(not(loom))]
 
+use cellstep::math::Vec3;
 use cellstep::pool::{Pool, PoolError};
+use cellstep::{BodyDef, BodyKind, Capacities, Geometry, Memory, Serial, ShapeDef, World, new_world};
 use cellstep_core::executor::{Executor, Stage};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Barrier;
@@ -226,5 +228,36 @@ fn numbers_of_workers_out_of_range_are_refused() {
             }
             other => panic!("{workers} workers: {other:?}"),
         }
+    }
+}
+
+/// A pyramid of boxes that slide and topple: pairs and contacts come and go.
+fn toppling() -> World<Memory> {
+    let mut world = new_world(Capacities::for_bodies(211)).expect("some megabytes");
+    let ground = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO)).expect("room");
+    world.create_shape(ground, &ShapeDef::new(Geometry::HalfSpace)).expect("room");
+    for row in 0..20 {
+        for i in 0..20 - row {
+            let place = Vec3::new(i as f32 + 0.5 * row as f32, 0.3 * (i % 2) as f32, 0.5 + row as f32);
+            let body = world.create_body(&BodyDef::new(BodyKind::Dynamic, place)).expect("room");
+            let shape = ShapeDef::new(Geometry::Box { half_extents: Vec3::splat(0.5) });
+            world.create_shape(body, &shape).expect("room");
+        }
+    }
+    world
+}
+
+#[test]
+fn worlds_step_alike_with_any_number_of_workers() {
+    let mut alone = toppling();
+    for _ in 0..60 {
+        alone.step(&mut Serial);
+    }
+    for workers in WORKERS {
+        let (mut world, mut pool) = (toppling(), pool(workers));
+        for _ in 0..60 {
+            world.step(&mut pool);
+        }
+        assert_eq!(world.state(), alone.state(), "{workers} workers");
     }
 }

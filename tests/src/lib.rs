@@ -4,6 +4,7 @@ pub mod commands;
 pub mod executors;
 pub mod fuzzing;
 pub mod oracles;
+pub mod reference;
 pub mod schedules;
 pub mod simulator;
 pub mod worlds;

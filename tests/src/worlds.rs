@@ -2,11 +2,11 @@
 
 use cellstep::math::Vec3;
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, Capacities, Geometry, Line, Serial, ShapeDef, ShapeHandle, World,
+    BodyDef, BodyHandle, BodyKind, Capacities, Geometry, Memory, Serial, ShapeDef, ShapeHandle, World,
 };
 
 /// A world that owns its memory.
-pub type OwnedWorld = World<Vec<Line>>;
+pub type OwnedWorld = World<Memory>;
 
 /// An empty world for `bodies` bodies.
 pub fn world(bodies: u32) -> OwnedWorld {

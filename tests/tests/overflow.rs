@@ -3,8 +3,8 @@
 use cellstep::math::Vec3;
 use cellstep::scene::builtin::Builtin;
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, Capacities, Error, Executor, Geometry, Line, Pool, Serial, ShapeDef,
-    StepReport, World,
+    BodyDef, BodyHandle, BodyKind, Capacities, Error, Executor, Geometry, Line, Memory, Pool, Serial,
+    ShapeDef, StepReport, World,
 };
 use cellstep_tests::executors::Shuffled;
 use cellstep_tests::simulator::{self, CAPACITIES};
@@ -294,7 +294,8 @@ fn capacities_and_memory_are_checked() {
     let outcome = World::new(vec![Line::ZERO; needed - 1], CAPACITIES).err();
     assert_eq!(outcome, Some(Error::MemoryTooSmall { needed, given: needed - 1 }));
     // Memory that somebody used before, and more of it than is needed.
-    let mut used = World::new(vec![Line::ZERO; needed + 3], CAPACITIES).expect("enough memory");
+    let more = Memory::zeroed(needed + 3).expect("some megabytes");
+    let mut used = World::new(more, CAPACITIES).expect("enough memory");
     worlds::ground(&mut used, 0.5);
     worlds::run(&mut used, 2);
     let again = World::new(used.into_memory(), CAPACITIES).expect("enough memory");

@@ -4,16 +4,16 @@
 //! from it: *a block is a connected component of one phase's links* (over dynamic bodies), so a phase's blocks
 //! share no body, whatever the phases are. Validity cannot be lost; only quality is at stake. [`Upkeep`] is that
 //! derived part: lists, blocks and their lengths. It is cache: dropped at any time, it is built again from state
-//! at 60 to 80 ns per link, and nothing that follows differs in a bit.
+//! at 30 to 80 ns per link, and nothing that follows differs in a bit.
 //!
 //! **A step** takes all ends out first (a block whose last connection breaks parts in two; without that, blocks
 //! would fill up with links that have nothing to do with each other), then puts each new link, by index, into the
 //! first phase in which its block stays within the cap. Then the bodies that the changes touch take local moves,
-//! by id (`moves.rs`). Each change also leaves a unit of dirt on its bodies; a phase-0 block whose bodies have g
-//! of it is grown again with its neighbours (`regrow.rs`), as far as a credit allows that changes pay into.
-//! Bodies with very many links get a block of their own (`hubs.rs`). When most links are new, or g has changed by
-//! a factor of two, or more than four phases persist while the scene is calm, the whole ordering is built by
-//! [`Cellular`](super::Cellular) (`build.rs`).
+//! by id (`moves.rs`). Each change also leaves a unit of dirt on its bodies; a phase-0 block whose bodies have
+//! 2 g of it (g / 2 while few links change) is grown again with its neighbours (`regrow.rs`), as far as a credit
+//! allows that changes pay into. Bodies with very many links get a block of their own (`hubs.rs`). When most links
+//! are new, or g has changed by a factor of two, or more than four phases persist while the scene is calm, the
+//! whole ordering is built by [`Cellular`] (`build.rs`).
 //!
 //! **Same bits with and without cache.** Choices depend on sets of links (blocks, degrees, counts) and are
 //! ordered by link index and body id. Ids of blocks and of links, and the order of lists, are accidents of
@@ -38,12 +38,15 @@ mod tests;
 use super::{Block, CELLULAR_PHASES_MAX, Cellular, Link, scratch_words, words};
 use build::Bulk;
 use bytemuck::{Pod, Zeroable};
-use graph::{BlockNode, BodyNode, Census, Header, LinkNode, NONE, PHASES, bodies_of};
+use graph::{BlockNode, BodyNode, Header, LinkNode, NONE, bodies_of};
 use regrow::Region;
 
 /// Marks a link that was not in the last update's list.
 pub const NEW: u32 = u32::MAX;
 
+/// Dirt of a block that is grown again, in g; a quarter of it in a calm scene, which has the time. Half as much
+/// costs a seventh more and brings 0.4 points of phase 0.
+const DIRTY: u32 = 2;
 /// Links that re-growth may look at, per change.
 const CREDIT_PER_CHANGE: i64 = 4;
 /// The most credit is this part of the links, and a region at least.
@@ -68,7 +71,7 @@ pub struct OrderingRow {
     pub built: u32,
     /// Updates that too many phases have lasted, 0 while there are not too many or nothing can be done.
     pub waited: u32,
-    /// How often a fresh build for too many phases did not help: each doubles the patience.
+    /// How many fresh builds have left too many phases, 0 while there are not too many. Each doubles the patience.
     pub futile: u32,
 }
 
@@ -123,7 +126,7 @@ pub struct Report {
     pub phase_links: [u32; CELLULAR_PHASES_MAX],
 }
 
-/// Words of cache for so many bodies and links: 112 bytes per body and 52 per link.
+/// Words of cache for so many bodies and links: 128 bytes per body and 52 per link.
 pub const fn upkeep_words(bodies: usize, links: usize) -> usize {
     graph::HEADER_WORDS + bodies * graph::BODY_WORDS + links * graph::LINK_WORDS
 }
@@ -141,9 +144,6 @@ pub const fn upkeep_scratch_words(bodies: usize, links: usize) -> usize {
 pub struct Upkeep<'a> {
     header: &'a mut Header,
     bodies: &'a mut [BodyNode],
-    /// The first half link of each body in each phase.
-    heads: &'a mut [[u32; PHASES]],
-    census: &'a mut [Census],
     links: &'a mut [LinkNode],
     blocks: &'a mut [BlockNode],
     /// The id of each link by index.
@@ -195,11 +195,18 @@ impl<'a> Upkeep<'a> {
         let mut memory = Memory::carve(bodies, links, scratch);
         if change.cached {
             assert!(self.header.capacities == self.capacities(), "the cache is not of this world");
-        } else {
-            self.rebuild(change.links, change.from, state.phases);
-            self.label(state.dirt, memory.queues[0]);
         }
-        let begun = self.follow(change, &mut state.dirt[..], &mut memory);
+        let begun = if change.cached {
+            self.follow(change, state.dirt, &mut memory)
+        } else {
+            let begun = self.rebuild(change, state.phases, memory.begins);
+            self.label(state.dirt, memory.queues[0]);
+            begun
+        };
+        // Only now: before the ends are out, there may be no room.
+        for &index in &memory.begins[..begun] {
+            self.ids[index as usize] = self.admit(&change.links[index as usize], index);
+        }
         let sums = (u64::from(self.header.dynamic_bodies), 2 * u64::from(self.header.dynamic_links));
         let g = Cellular { block_links: change.block_links }.size(count, sums);
         let row = state.row;
@@ -230,38 +237,34 @@ impl<'a> Upkeep<'a> {
         report
     }
 
-    /// Takes out what ended, follows the indices of the links that stay, and takes in those that begin, still
-    /// without phase; returns how many begin.
+    /// Takes out what ended, follows the indices of the links that stay, and lists those that begin; returns how
+    /// many they are.
     fn follow(&mut self, change: &Change<'_>, dirt: &mut [u8], memory: &mut Memory<'_>) -> usize {
-        let mut begun = 0;
-        if change.cached {
-            let old_count = self.header.link_count as usize;
-            let old = &mut memory.old[..old_count];
-            old.copy_from_slice(&self.ids[..old_count]);
-            let [first, second] = &mut memory.queues;
-            let mut work =
-                Work { graph: self, phases: &mut [], dirt, queues: [first, second], g: 0, moves: 0 };
-            let mut next = 0;
-            for (index, &from) in change.from.iter().enumerate() {
-                if from == NEW {
-                    work.graph.ids[index] = NONE;
-                    continue;
-                }
-                let from = from as usize;
-                work.end(&old[next..from]);
-                next = from + 1;
-                let id = old[from];
-                work.graph.ids[index] = id;
-                work.graph.links[id as usize].index = index as u32;
-            }
-            work.end(&old[next..]);
-            self.header.link_count = change.links.len() as u32;
-        }
-        for (index, link) in change.links.iter().enumerate() {
-            if change.from[index] == NEW {
-                self.ids[index] = self.admit(link, index as u32);
+        let old_count = self.header.link_count as usize;
+        let old = &mut memory.old[..old_count];
+        old.copy_from_slice(&self.ids[..old_count]);
+        self.header.link_count = change.links.len() as u32;
+        let [first, second] = &mut memory.queues;
+        let mut work = Work { graph: self, phases: &mut [], dirt, queues: [first, second], g: 0, moves: 0 };
+        let (mut next, mut begun) = (0, 0);
+        for (index, &from) in change.from.iter().enumerate() {
+            if from == NEW {
                 memory.begins[begun] = index as u32;
                 begun += 1;
+            } else {
+                debug_assert!(next <= from, "the indices of kept links ascend");
+                if next < from {
+                    work.end(&old[next as usize..from as usize]);
+                }
+                next = from + 1;
+            }
+        }
+        work.end(&old[next as usize..]);
+        let ids = &mut self.ids[..change.from.len()];
+        for (index, (id, &from)) in ids.iter_mut().zip(change.from).enumerate() {
+            if from != NEW {
+                *id = old[from as usize];
+                self.links[*id as usize].index = index as u32;
             }
         }
         begun
@@ -272,7 +275,7 @@ impl<'a> Upkeep<'a> {
         let links = self.header.link_count as usize;
         let phases = self.header.phase_links.iter().filter(|&&links| links > 0).count();
         if phases <= PHASES_WANTED {
-            row.waited = 0;
+            (row.waited, row.futile) = (0, 0);
         } else if fresh {
             // A second build would give the same: only a change can help.
             row.futile = (row.futile + 1).min(31);
@@ -301,7 +304,7 @@ impl Work<'_, '_> {
         for end in lost.chain(begun) {
             for body in bodies_of(end) {
                 self.soil(body);
-                let mark = &mut self.graph.census[body as usize].mark;
+                let mark = &mut self.graph.bodies[body as usize].mark;
                 if *mark != stamp {
                     *mark = stamp;
                     list[count] = body;
@@ -323,7 +326,7 @@ impl Work<'_, '_> {
         *dirt += 1;
         let block = self.graph.bodies[body as usize].block[0];
         if block != NONE {
-            self.graph.census[body as usize].dirt += 1;
+            self.graph.bodies[body as usize].dirt += 1;
             self.graph.blocks[block as usize].dirt += 1;
         }
     }
@@ -350,6 +353,8 @@ impl Work<'_, '_> {
         let most = (self.graph.header.link_count as i64 / CREDIT_PARTS).max(8 * i64::from(self.g));
         let changes = touched.len() as i64 / 2;
         let mut credit = (i64::from(row.credit) + CREDIT_PER_CHANGE * changes).min(most);
+        let calm = touched.len() * CALM_PARTS <= self.graph.header.link_count as usize;
+        let dirty = if calm { self.g / 2 } else { DIRTY * self.g };
         let mut regrown = 0;
         let start = touched.partition_point(|&body| body < row.cursor);
         for &body in touched[start..].iter().chain(&touched[..start]) {
@@ -357,7 +362,7 @@ impl Work<'_, '_> {
                 break;
             }
             let block = self.graph.bodies[body as usize].block[0];
-            if block != NONE && self.graph.blocks[block as usize].dirt >= self.g {
+            if block != NONE && self.graph.blocks[block as usize].dirt >= dirty {
                 let looked = self.regrow(body, region);
                 credit -= i64::from(looked);
                 regrown += looked;

@@ -29,6 +29,8 @@ pub(crate) struct Scene<'a> {
     pub motions: &'a [Motion],
     /// Frames of the shapes from their bodies' centers.
     pub frames: &'a [Words],
+    /// The same in the bodies' stances.
+    pub stances: &'a [Words],
     pub active: &'a [Active],
     pub links: &'a [Link],
     pub contacts: &'a [ContactRow],
@@ -118,6 +120,7 @@ pub(crate) fn fill<E: Executor>(
         motions: state.motions,
         shapes: state.shapes,
         frames: scratch.frames,
+        stances: scratch.stances,
         active: scratch.active,
         links: scratch.links,
         contacts: state.contacts,

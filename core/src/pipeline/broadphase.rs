@@ -5,12 +5,12 @@
 //! trees (shapes of static bodies, and the rest), which are cache. Pairs are a sorted set, so the shape of a tree
 //! never matters.
 
-use crate::body::{BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position};
+use crate::body::{BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position, turned_frame};
 use crate::collide::tree::{self, Tree};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::executor::{Executor, Stage};
 use crate::lanes::Words;
-use crate::math::{Aabb, Pose, Vec3};
+use crate::math::{Aabb, Pose, Rotation, Vec3};
 use crate::pipeline::meeting::frame_words;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
@@ -55,6 +55,7 @@ fn update_boxes<E: Executor>(
         shapes: &'a mut [ShapeRow],
         is_moved: &'a mut [u8],
         frames: &'a mut [Words],
+        stances: &'a mut [Words],
     }
     let high = state.header[0].shapes.high as usize;
     let share = chunk(high, UPDATE_SHAPES);
@@ -63,18 +64,25 @@ fn update_boxes<E: Executor>(
     let (used, bodies, motions) = (&*state.shape_used, &*state.bodies, &*state.motions);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let parts = state.shapes[..high].chunks_mut(share).zip(scratch.is_moved[..high].chunks_mut(share));
-    let parts = parts.zip(scratch.frames[..high].chunks_mut(share));
-    for (i, ((shapes, is_moved), frames)) in parts.enumerate() {
-        push(&mut tasks, Task { first: (i * share) as u32, shapes, is_moved, frames });
+    let frames = scratch.frames[..high].chunks_mut(share).zip(scratch.stances[..high].chunks_mut(share));
+    for (i, ((shapes, is_moved), (frames, stances))) in parts.zip(frames).enumerate() {
+        push(&mut tasks, Task { first: (i * share) as u32, shapes, is_moved, frames, stances });
     }
     crew.run(Stage::Broadphase, &mut tasks, |task| {
-        let slots = task.shapes.iter_mut().zip(task.is_moved.iter_mut()).zip(task.frames.iter_mut());
-        for (i, ((shape, moved), frame)) in slots.enumerate() {
+        let frames = task.frames.iter_mut().zip(task.stances.iter_mut());
+        let slots = task.shapes.iter_mut().zip(task.is_moved.iter_mut()).zip(frames);
+        for (i, ((shape, moved), (frame, stance))) in slots.enumerate() {
             *moved = 0;
             if is_used(used, task.first + i as u32) {
                 let (body, motion) = (&bodies[shape.body as usize], &motions[shape.body as usize]);
                 let pose = motion.local_to_center(body, &shape.pose);
                 *frame = frame_words(&pose);
+                *stance = match Rotation::unpack(body.stance) {
+                    Some(rotation) if body.is_dynamic() => {
+                        frame_words(&turned_frame(rotation, body, &shape.pose))
+                    }
+                    _ => *frame,
+                };
                 *moved = u8::from(update_box(shape, (body, motion, &pose), assets, dt) || all);
             }
         }

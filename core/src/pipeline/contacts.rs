@@ -102,7 +102,7 @@ fn list(
         let mut keep_until = |end: u32, add: &mut dyn FnMut(u32)| {
             for index in old..end {
                 let row = &state.contacts[index as usize];
-                if row.points > 0 {
+                if row.tag.points() > 0 {
                     add(index);
                 } else {
                     scratch.lost[lost] = [row.pair.a, row.pair.b].map(|slot| known_body(state, slot));
@@ -162,7 +162,7 @@ impl Task<'_> {
                 self.memos[i] = birth.memo;
                 self.touches[i] = birth.touch;
                 *from = NEW;
-                debug_assert!(birth.row.phase == UNORDERED);
+                debug_assert!(birth.row.tag.phase() == UNORDERED);
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::config::SECTOR_MAX;
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::{LANES, WIDTH};
-use crate::math::Vec3;
+use crate::math::{Rotation, Vec3};
 use crate::pipeline::Counts;
 use crate::pipeline::integration;
 use crate::pipeline::layout::{Group, Plan};
@@ -17,6 +17,8 @@ use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::BOX_STALE;
 use crate::state::{Cache, ContactRow, Scratch, State, Touch};
 
+/// Turn from which on a body's stance follows, radians.
+const STANCE_TURN: f32 = 0.01;
 /// Bodies that are worth a task.
 const FINISH_BODIES: usize = 256;
 /// Contacts that are worth a task.
@@ -73,7 +75,7 @@ fn store_impulses<E: Executor>(
 fn store(row: &mut ContactRow, (link, points): (&LinkRow, &[PointRow]), sign: f32, lane: usize) {
     let (part, lane) = (lane / WIDTH, lane % WIDTH);
     let link = &link.parts[part];
-    for (impulse, point) in row.impulses.iter_mut().zip(points).take(usize::from(row.points)) {
+    for (impulse, point) in row.impulses.iter_mut().zip(points).take(row.tag.points()) {
         *impulse = point.parts[part].impulse.get(lane);
     }
     let (n, t) = (link.normal.get(lane), link.tangent.get(lane));
@@ -189,7 +191,19 @@ impl Results<'_> {
             row.flags |= CHANGED_SECTOR;
         }
         *motion = after;
+        if !is_near(after.rotation, row.stance) {
+            row.stance = after.rotation.pack();
+        }
     }
+}
+
+/// True when the stance still serves.
+fn is_near(rotation: Rotation, stance: [u32; 2]) -> bool {
+    Rotation::unpack(stance).is_some_and(|stance| {
+        // The imaginary part is half the angle of a small turn.
+        let turn = rotation.after(stance.inverse()).imaginary();
+        4.0 * turn.dot(turn) <= STANCE_TURN * STANCE_TURN
+    })
 }
 
 /// Stops a body for good at its last finite pose.

@@ -149,7 +149,8 @@ fn lay_out_phase(
     let first_seat = plan.seats;
     let first_group = plan.groups;
     let links: usize = blocks.iter().map(|block| block.count as usize).sum();
-    let group_count = links.div_ceil(GROUP_LINKS).min(LINK_GROUPS_MAX);
+    // A group takes eight chains, and a chain a block at least: few long blocks make no more groups.
+    let group_count = links.div_ceil(GROUP_LINKS).min(blocks.len().div_ceil(LANES)).min(LINK_GROUPS_MAX);
     let loads = deal(blocks, group_count, tables.block_chains);
     for g in 0..group_count {
         let rows = loads[g * LANES..(g + 1) * LANES].iter().copied().max().unwrap_or(0);

@@ -12,7 +12,7 @@ use crate::body::{BodyRow, Motion};
 use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::lanes::Words;
-use crate::math::{Pose, Rotation, Vec3, length, sqrt};
+use crate::math::{Pose, Rotation, Vec3, length};
 use crate::pipeline::solid;
 use crate::shape::{GEOMETRY_BOX, GEOMETRY_HULL, ShapeRow};
 use crate::state::{AssetTables, ContactRow, Memo};
@@ -54,6 +54,8 @@ pub(crate) struct Meeting {
     pub centers: Vec3,
     /// How far one center moves against the other in this step, metres.
     pub way: f32,
+    /// Squares of the angles by which the bodies turn in this step, added.
+    pub turns: f32,
 }
 
 impl Meeting {
@@ -66,12 +68,14 @@ impl Meeting {
             frame_a.untransform(frame_b.position + centers),
             frame_a.rotation.inverse().after(frame_b.rotation),
         );
-        Self { b_in_a, centers, way: length(mb.linear - ma.linear) * dt }
+        let turns = (ma.angular.dot(ma.angular) + mb.angular.dot(mb.angular)) * (dt * dt);
+        Self { b_in_a, centers, way: length(mb.linear - ma.linear) * dt, turns }
     }
 
-    /// True when points can be kept: the bodies hardly move in this step.
-    pub fn is_slow(&self) -> bool {
-        self.way <= DRIFT_MAX
+    /// True when points can be kept: the bodies hardly move in this step, as seen at the smaller one.
+    pub fn is_slow(&self, (a, b): (Radius, Radius)) -> bool {
+        let squared = crate::math::min(a.squared, b.squared);
+        self.way <= DRIFT_MAX && self.turns * squared <= DRIFT_MAX * DRIFT_MAX
     }
 
     /// Points at the poses now. Fast bodies are stopped at the surface, not behind it: look as far as they come.
@@ -132,7 +136,7 @@ fn radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> Option<Radius> {
     }
 }
 
-/// The memo of a manifold in the frames of shapes A and B by slot; `exchanged` when the solver's order is the other.
+/// The memo of a manifold in the frames of A and B by slot; `exchanged` when the order of the solver is the other.
 pub(crate) fn memo(manifold: &Manifold, b_in_a: &Pose, exchanged: bool, settled: bool) -> Memo {
     let mut memo = Memo::zeroed();
     let n = manifold.normal;
@@ -147,8 +151,8 @@ pub(crate) fn memo(manifold: &Manifold, b_in_a: &Pose, exchanged: bool, settled:
     memo
 }
 
-/// The memo of a settled contact, found again at its base. `None` when it has other points than the contact: a state
-/// that no step made.
+/// The memo of a settled contact, found again at its base. `None` when it has other points than the contact: no
+/// step made such a state.
 pub(crate) fn memo_again(
     row: &ContactRow,
     shapes: (&ShapeRow, &ShapeRow),
@@ -158,58 +162,20 @@ pub(crate) fn memo_again(
     let base = unpack(&row.memory)?;
     let found = collide_at(&base, (&solid(shapes.0, assets), &solid(shapes.1, assets)));
     let manifold = found.first()?;
-    (manifold.points.len() == usize::from(row.points)).then(|| memo(manifold, &base, exchanged, true))
+    (manifold.points.len() == row.tag.points()).then(|| memo(manifold, &base, exchanged, true))
 }
 
-/// Bits of each of the three lesser components of a packed rotation.
-const COMPONENT_BITS: u32 = 20;
-/// Largest packed component.
-const COMPONENT_MAX: i32 = (1 << (COMPONENT_BITS - 1)) - 1;
-/// A lesser component of a unit quaternion is at most the root of one half.
-const COMPONENT_SCALE: f32 = COMPONENT_MAX as f32 * core::f32::consts::SQRT_2;
-
-/// A pose in 20 bytes: the rotation by its three lesser components, to 5e-6 rad. Exact for no rotation.
+/// A pose in 20 bytes.
 pub(crate) fn pack(pose: &Pose) -> [u32; 5] {
-    let (p, q) = (pose.position, pose.rotation);
-    let parts = [q.x, q.y, q.z, q.w];
-    let mut largest = 3;
-    for i in 0..3 {
-        if parts[i].abs() > parts[largest].abs() {
-            largest = i;
-        }
-    }
-    let sign = if parts[largest] < 0.0 { -1.0 } else { 1.0 };
-    let mut bits = largest as u64;
-    for (i, part) in parts.iter().enumerate() {
-        if i != largest {
-            let rounded = libm::rintf(sign * part * COMPONENT_SCALE) as i32;
-            let rounded = rounded.clamp(-COMPONENT_MAX, COMPONENT_MAX);
-            bits = bits << COMPONENT_BITS | (rounded as u64 & ((1 << COMPONENT_BITS) - 1));
-        }
-    }
-    [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), bits as u32, (bits >> 32) as u32]
+    let (p, [low, high]) = (pose.position, pose.rotation.pack());
+    [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), low, high]
 }
 
 /// The pose that [`pack`] wrote; `None` for bits that it does not write.
 pub(crate) fn unpack(memory: &[u32; 5]) -> Option<Pose> {
-    let position = Vec3::new(f32::from_bits(memory[0]), f32::from_bits(memory[1]), f32::from_bits(memory[2]));
-    let bits = u64::from(memory[4]) << 32 | u64::from(memory[3]);
-    let largest = (bits >> (3 * COMPONENT_BITS)) as usize;
-    let mut parts = [0.0_f32; 4];
-    let mut rest = 1.0;
-    let mut shift = 3 * COMPONENT_BITS;
-    for (i, part) in parts.iter_mut().enumerate() {
-        if i != largest {
-            shift = shift.checked_sub(COMPONENT_BITS)?;
-            // The shift to the left and back extends the sign.
-            let raw = ((bits >> shift) as u32) << (32 - COMPONENT_BITS);
-            let component = (raw as i32) >> (32 - COMPONENT_BITS);
-            *part = component as f32 * (1.0 / COMPONENT_SCALE);
-            rest -= *part * *part;
-        }
-    }
-    *parts.get_mut(largest)? = sqrt(if rest > 0.0 { rest } else { 0.0 });
-    let rotation = Rotation::new(parts[0], parts[1], parts[2], parts[3]);
+    let [x, y, z, low, high] = *memory;
+    let position = Vec3::new(f32::from_bits(x), f32::from_bits(y), f32::from_bits(z));
+    let rotation = Rotation::unpack([low, high])?;
     position.is_finite().then_some(Pose::new(position, rotation))
 }
 

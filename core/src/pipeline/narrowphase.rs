@@ -1,10 +1,9 @@
 //! Narrowphase (the talk's second stage, SEED S3): contact points of every pair.
 //!
 //! A task has a run of pairs and the contacts that these had in the step before. Contacts that go on are brought up
-//! to date where they are; those that begin are written aside, those that end are marked; `contacts.rs` merges them.
+//! to date where they are; those that begin are written aside and those that end are marked, for `contacts.rs`.
 //! Impulses are carried over by feature.
 
-use crate::cells::UNORDERED;
 use crate::collide::{MANIFOLDS_MAX, Manifold, POINTS_MAX};
 use crate::executor::{Executor, Stage};
 use crate::math::{Pose, max, sqrt};
@@ -13,7 +12,7 @@ use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid, solver};
 use crate::shape::{FRESH, GEOMETRY_BOX, GEOMETRY_MESH, ShapeRow};
-use crate::state::{AssetTables, Birth, Cache, ContactRow, Memo, Pair, Scratch, State, Touch};
+use crate::state::{AssetTables, Birth, Cache, ContactRow, Memo, Pair, Scratch, State, Tag, Touch};
 use bytemuck::Zeroable;
 
 /// Pairs that are worth a task.
@@ -183,7 +182,7 @@ impl Task<'_> {
     }
 
     fn end(&mut self, place: usize) {
-        self.rows[place].points = 0;
+        self.rows[place].tag.end();
         self.result.died += 1;
     }
 
@@ -199,10 +198,10 @@ impl Task<'_> {
         let first = self.next;
         self.next += self.rows[first..].iter().take_while(|row| row.pair == pair).count();
         let radii = meeting::settling_radii(shapes, look.assets);
-        let settles = radii.is_some() && found.meeting.is_slow();
+        let settles = radii.is_some_and(|radii| found.meeting.is_slow(radii));
         if let (Some(row), Some(radii)) = (self.rows[first..self.next].first(), radii) {
             let near = |base| found.meeting.is_near(&base, radii);
-            let stays = settles && row.settled != 0 && meeting::unpack(&row.memory).is_some_and(near);
+            let stays = settles && row.tag.is_settled() && meeting::unpack(&row.memory).is_some_and(near);
             if stays && (look.memos_fit || self.remember(look, &found, first)) {
                 self.touches[first] = found.touch(true);
                 return;
@@ -241,9 +240,10 @@ impl Task<'_> {
         let mut olds = Olds::new();
         for place in first..self.next {
             let row = self.rows[place];
-            let remembered = row.settled == 0 || look.memos_fit || self.remember(look, found, place);
-            let features = match (row.settled, remembered) {
-                (0, _) => [row.memory[0], row.memory[1], row.memory[2], row.memory[3]],
+            let settled = row.tag.is_settled();
+            let remembered = !settled || look.memos_fit || self.remember(look, found, place);
+            let features = match (settled, remembered) {
+                (false, _) => [row.memory[0], row.memory[1], row.memory[2], row.memory[3]],
                 (_, true) => self.memos[place].tail,
                 (_, false) => [0; POINTS_MAX],
             };
@@ -270,14 +270,11 @@ impl Task<'_> {
         let [f, g, h, i] = features;
         let mut row = ContactRow {
             pair: found.pair,
-            child: manifold.child,
-            points: manifold.points.len() as u8,
-            phase: UNORDERED,
-            settled: u8::from(base.is_some()),
+            tag: Tag::new(manifold.child, manifold.points.len(), base.is_some()),
             memory: base.unwrap_or([f, g, h, i, 0]),
             ..ContactRow::zeroed()
         };
-        let old = olds.iter().find(|old| old.row.child == manifold.child);
+        let old = olds.iter().find(|old| old.row.tag.child() == manifold.child);
         carry_over(&mut row, &features, old, olds);
         let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
         let touch = found.touch(base.is_some());
@@ -291,7 +288,8 @@ impl Task<'_> {
             self.result.dropped += 1;
             return;
         };
-        let later = olds.iter().find(|old| old.row.child > manifold.child).map_or(self.next, |old| old.place);
+        let later =
+            olds.iter().find(|old| old.row.tag.child() > manifold.child).map_or(self.next, |old| old.place);
         *birth = Birth { row, before: self.result.first + later as u32, memo, touch };
         self.result.born += 1;
     }
@@ -302,10 +300,10 @@ impl Task<'_> {
 /// Of a face's many corners four are chosen, and which four can change in every step: a load that was dropped each
 /// time shook stacks of turned boxes until they crept (8 mm/s in a tower of ten).
 fn carry_over(row: &mut ContactRow, features: &[u32; POINTS_MAX], old: Option<&Old>, olds: &Olds) {
-    let count = usize::from(row.points);
+    let count = row.tag.points();
     let mut fresh: heapless::Vec<usize, POINTS_MAX> = heapless::Vec::new();
     for (i, feature) in features[..count].iter().enumerate() {
-        let place = |old: &Old| old.features[..usize::from(old.row.points)].iter().position(|f| f == feature);
+        let place = |old: &Old| old.features[..old.row.tag.points()].iter().position(|f| f == feature);
         match olds.iter().find_map(|old| place(old).map(|k| old.row.impulses[k])) {
             Some(impulse) => row.impulses[i] = impulse,
             None => {
@@ -316,9 +314,9 @@ fn carry_over(row: &mut ContactRow, features: &[u32; POINTS_MAX], old: Option<&O
     let Some(old) = old else { return };
     row.friction = old.row.friction;
     row.twist = old.row.twist;
-    row.phase = old.row.phase;
+    row.tag.set_phase(old.row.tag.phase());
     let mut lost = 0.0;
-    for (feature, impulse) in old.features[..usize::from(old.row.points)].iter().zip(old.row.impulses) {
+    for (feature, impulse) in old.features[..old.row.tag.points()].iter().zip(old.row.impulses) {
         lost += if features[..count].contains(feature) { 0.0 } else { impulse };
     }
     for &i in &fresh {

@@ -8,7 +8,7 @@ use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
 use crate::state::{Cache, Scratch, State};
 
-/// Orders the links and lays them out in seats and lanes. A `scheduler` takes the place of the cellular ordering for
+/// Orders the links and lays them out in seats and lanes. A `scheduler` replaces the cellular ordering for
 /// this step.
 pub(crate) fn run<S: Scheduler>(
     state: &mut State<'_>,
@@ -50,7 +50,7 @@ fn keep(
     }
     let mut upkeep = Upkeep::new(state.bodies.len(), state.contacts.len(), cache.ordering);
     for (phase, row) in phases.iter_mut().zip(&*state.contacts) {
-        *phase = row.phase;
+        *phase = row.tag.phase();
     }
     cache.header[0].ordering_fits = 1;
     if same {
@@ -66,7 +66,7 @@ fn keep(
     let ordering = OrderingState { row: &mut state.ordering[0], dirt: state.dirt, phases };
     upkeep.update(&change, ordering, scratch.ordering);
     for (row, phase) in state.contacts.iter_mut().zip(&*phases) {
-        row.phase = *phase;
+        row.tag.set_phase(*phase);
     }
     false
 }
@@ -88,6 +88,10 @@ fn schedule<S: Scheduler>(
             let upkeep = Upkeep::new(scratch.active_of.len(), scratch.links.len(), cache.ordering);
             upkeep.schedule(&scratch.slot_links[..count], scratch.ordering, &mut schedule);
         }
+    }
+    if cfg!(debug_assertions) {
+        let links = &scratch.links[..count];
+        assert_eq!(cells::check(bodies as u32, links, &schedule, scratch.ordering), Ok(()));
     }
     schedule.block_count
 }
@@ -125,7 +129,7 @@ pub(crate) fn write_links(state: &State<'_>, scratch: &mut Scratch<'_>) {
         let slots = scratch.touches[i].shapes.map(|shape| state.shapes[shape as usize].body);
         let active = slots.map(|slot| scratch.active_of[slot as usize]);
         // Links with more points first: neighbours in a lane should have as many.
-        let kind = 4 - u32::from(row.points);
+        let kind = 4 - row.tag.points() as u32;
         let b = if active[1] == IMMOVABLE { IMMOVABLE } else { slots[1] };
         scratch.links[i] = Link { a: active[0], b: active[1], kind };
         scratch.slot_links[i] = Link { a: slots[0], b, kind };

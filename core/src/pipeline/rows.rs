@@ -30,12 +30,13 @@ pub(crate) fn fill(
     *row = LinkRow::zeroed();
     row.seats_a.copy_from_slice(&seats[..LANES]);
     row.seats_b.copy_from_slice(&seats[LANES..]);
-    let count = |contact: u32| if contact == EMPTY { 0 } else { scene.contacts[contact as usize].points };
+    let count =
+        |contact: u32| if contact == EMPTY { 0 } else { scene.contacts[contact as usize].tag.points() };
     let counts = contacts.map(count);
     let most = counts.iter().copied().max().unwrap_or(0);
-    row.points = u32::from(most);
+    row.points = most as u32;
     row.uneven = u32::from(counts.iter().any(|&count| count != 0 && count != most));
-    let own = take(points, usize::from(most));
+    let own = take(points, most);
     for index in 0..PARTS {
         let lanes = index * WIDTH..(index + 1) * WIDTH;
         let sides = Sides::gather(scene, &contacts[lanes]);
@@ -53,12 +54,15 @@ fn fill_part(
     (points, index): (&mut [PointRow], usize),
 ) {
     let found = sides.place(scene, link);
-    let mut patch = Patch { sum: LaneVec::ZERO, places: [LaneVec::ZERO; 4], points: points.len() };
+    let mut patch =
+        Patch { sum: LaneVec::ZERO, sum_b: LaneVec::ZERO, places: [LaneVec::ZERO; 4], points: points.len() };
     for (i, point) in points.iter_mut().enumerate() {
         let point = &mut point.parts[index];
         *point = PointPart::zeroed();
-        patch.places[i] = sides.write_point(&found, point, i);
-        patch.sum = patch.sum + patch.places[i];
+        let (arm_a, arm_b) = sides.write_point(&found, point, i);
+        patch.places[i] = arm_a;
+        patch.sum = patch.sum + arm_a;
+        patch.sum_b = patch.sum_b + arm_b;
         point.aim(link, scene.bias);
     }
     sides.write_friction(&found, link, &patch);
@@ -110,6 +114,9 @@ struct Sides {
     /// Frames of the shapes: position from the center of the body, and rotation.
     frame_a: Frame,
     frame_b: Frame,
+    /// The same in the bodies' stances, for settled contacts.
+    stance_a: Frame,
+    stance_b: Frame,
     /// Words of the memos.
     memo: [Lane; 32],
     /// Words of the touches.
@@ -169,9 +176,11 @@ struct Placed {
     give: Lane,
 }
 
-/// Places of the points from the center of A.
+/// Arms of the points from the center of A.
 struct Patch {
     sum: LaneVec,
+    /// The same from the center of B.
+    sum_b: LaneVec,
     places: [LaneVec; 4],
     /// Most points of a lane of the row.
     points: usize,
@@ -183,6 +192,7 @@ impl Sides {
         let mut b = a;
         let mut moving = [Active::zeroed(); WIDTH];
         let (mut frames_a, mut frames_b) = ([Words::ZERO; WIDTH], [Words::ZERO; WIDTH]);
+        let (mut stances_a, mut stances_b) = ([Words::ZERO; WIDTH], [Words::ZERO; WIDTH]);
         let mut memos = [[Words::ZERO; WIDTH]; 4];
         let (mut touches, mut stored) = ([Words::ZERO; WIDTH], [Words::ZERO; WIDTH]);
         let mut sign = Lane::ZERO;
@@ -204,6 +214,9 @@ impl Sides {
             }
             frames_a[lane] = scene.frames[touch.shapes[0] as usize];
             frames_b[lane] = scene.frames[touch.shapes[1] as usize];
+            let stances = if touch.settled > 0.0 { scene.stances } else { scene.frames };
+            stances_a[lane] = stances[touch.shapes[0] as usize];
+            stances_b[lane] = stances[touch.shapes[1] as usize];
             let memo: [Words; 4] = cast(scene.memos[contact]);
             for (words, own) in memos.iter_mut().zip(memo) {
                 words[lane] = own;
@@ -212,7 +225,7 @@ impl Sides {
             let (i, f) = (row.impulses, row.friction);
             stored[lane] = Words::new([i[0], i[1], i[2], i[3], f.x, f.y, f.z, row.twist]);
             sign.set(lane, touch.sign());
-            counts[lane] = row.points;
+            counts[lane] = row.tag.points() as u8;
         }
         for (lane, row) in moving.iter().enumerate() {
             if surfaces >> lane & 1 != 0 {
@@ -230,6 +243,8 @@ impl Sides {
             b: Body::of(&b),
             frame_a: Frame::of(frames_a),
             frame_b: Frame::of(frames_b),
+            stance_a: Frame::of(stances_a),
+            stance_b: Frame::of(stances_b),
             memo,
             touch: transpose(touches),
             stored: transpose(stored),
@@ -246,7 +261,7 @@ impl Sides {
     fn place(&self, scene: &Scene<'_>, row: &mut LinkPart) -> Placed {
         let zero = Lane::ZERO;
         let [_, _, friction, restitution, x, y, z, settled] = self.touch;
-        let normal = self.frame_a.rotate(self.memo_vector(0));
+        let normal = self.stance_a.rotate(self.memo_vector(0));
         row.normal = normal;
         row.root_b = self.b.root;
         row.friction = friction;
@@ -286,14 +301,18 @@ impl Sides {
         free(&self.a) + free(&self.b)
     }
 
-    /// Writes point `i`; returns its place from the center of A, 0 where there is none.
-    fn write_point(&self, found: &Placed, point: &mut PointPart, i: usize) -> LaneVec {
+    /// Writes point `i`; returns its arms, 0 where there is none.
+    fn write_point(&self, found: &Placed, point: &mut PointPart, i: usize) -> (LaneVec, LaneVec) {
         let n = found.normal;
         let live = found.count.greater(Lane::splat(i as f32));
         let on_a = self.frame_a.rotate(self.memo_vector(4 + 3 * i)) + self.frame_a.position;
         let on_b = self.frame_b.rotate(self.memo_vector(16 + 3 * i)) + self.frame_b.position + found.centers;
-        let place = live.keep_vec((on_a + on_b).times(Lane::splat(0.5)));
-        let arm_b = place - found.centers;
+        let (a, b) = (self.memo_vector(4 + 3 * i), self.memo_vector(16 + 3 * i));
+        let place = (on_a + on_b).times(Lane::splat(0.5));
+        let arm_a = self.stance_a.rotate(a) + self.stance_a.position;
+        let arm_b = self.stance_b.rotate(b) + self.stance_b.position;
+        let place = live.keep_vec(found.settled.select_vec(arm_a, place));
+        let arm_b = live.keep_vec(found.settled.select_vec(arm_b, place - found.centers));
         let ja = live.keep_vec(self.a.jacobian(place, n));
         let jb = live.keep_vec(self.b.jacobian(arm_b, n));
         let yields = found.yields + ja.dot(ja) + jb.dot(jb);
@@ -305,7 +324,7 @@ impl Sides {
         let apart = found.settled.select(n.dot(on_b - on_a), self.memo[28 + i]);
         point.separation = live.select(apart, Lane::ZERO);
         point.impulse = self.stored[i];
-        place
+        (place, arm_b)
     }
 
     /// One patch for the manifold: two tangents and the twist at the points' middle.
@@ -321,7 +340,7 @@ impl Sides {
             spread = spread + found.count.greater(Lane::splat(i as f32)).select(length, zero);
         }
         row.radius = spread * share;
-        let (arm_a, arm_b) = (middle, middle - found.centers);
+        let (arm_a, arm_b) = (middle, patch.sum_b.times(share));
         let n = found.normal;
         let t = live.keep_vec(self.tangent(n, (arm_a, arm_b)));
         let s = n.cross(t);

@@ -48,6 +48,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         row.set_kind(def.kind);
         row.set_locks(def.locks);
         row.axes = Rotation::IDENTITY;
+        row.stance = def.rotation.normalized().pack();
         let moving = def.kind != BodyKind::Static;
         state.motions[index] = Motion {
             center: def.position.normalized(),
@@ -193,6 +194,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let local_center = state.bodies[slot].local_center;
         state.motions[slot].center = position.normalized().plus(rotation.rotate(local_center));
         state.motions[slot].rotation = rotation;
+        state.bodies[slot].stance = rotation.pack();
         state.bodies[slot].flags &= !(STOPS_AFTER_STEP | CHANGED_SECTOR);
         mark_shapes(&mut state, slot, BOX_STALE | FRESH);
         Ok(())
@@ -282,7 +284,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             state.motions[slot].linear = Vec3::ZERO;
             state.motions[slot].angular = Vec3::ZERO;
         }
-        mark_shapes(&mut state, slot, BOX_STALE);
+        state.bodies[slot].stance = state.motions[slot].rotation.pack();
+        // Links of the ordering have other ends now: the contacts begin anew.
+        mark_shapes(&mut state, slot, BOX_STALE | FRESH);
         Ok(())
     }
 

@@ -86,8 +86,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
                 let index = shapes[slot as usize].body;
                 BodyHandle { index, generation: body_generations[index as usize] }
             }),
-            child: row.child,
-            points: u32::from(row.points),
+            child: row.tag.child(),
+            points: row.tag.points() as u32,
             impulses: row.impulses,
             friction: row.friction,
             twist: row.twist,

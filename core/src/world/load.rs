@@ -174,6 +174,7 @@ impl Parts<'_> {
             && motion.angular.is_finite()
             && (!is_static || still)
             && body::check_mass(&row.mass_properties()).is_ok()
+            && Rotation::unpack(row.stance).is_some()
             && validate::in_range("", row.linear_damping, 0.0, 1.0e4).is_ok()
             && validate::in_range("", row.angular_damping, 0.0, 1.0e4).is_ok()
             && validate::in_range("", row.gravity_scale, -1.0e3, 1.0e3).is_ok()
@@ -265,26 +266,25 @@ impl Parts<'_> {
 
     fn contact_holds(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
         let impulse = |x: f32| x.is_finite() && x >= 0.0 && x.to_bits() != (-0.0_f32).to_bits();
-        let unused = usize::from(row.points.min(4))..4;
+        let unused = row.tag.points().min(4)..4;
         row.pair.a < row.pair.b
             && row.pair.b < self.header.shapes.high
-            && (1..=4).contains(&row.points)
+            && (1..=4).contains(&row.tag.points())
             && row.impulses.iter().all(|&x| impulse(x))
             && row.impulses[unused.clone()].iter().all(|&x| x == 0.0)
-            && row.reserved == 0
             && self.memory_holds(row, assets)
-            && (row.phase == UNORDERED || usize::from(row.phase) < CELLULAR_PHASES_MAX)
+            && (row.tag.phase() == UNORDERED || usize::from(row.tag.phase()) < CELLULAR_PHASES_MAX)
             && row.friction.is_finite()
             && row.twist.is_finite()
     }
 
     /// A settled contact has as many points as are found at its base; another one names the features of its points.
     fn memory_holds(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
-        if row.settled == 0 {
-            return row.memory[usize::from(row.points)..].iter().all(|&x| x == 0);
+        if !row.tag.is_settled() {
+            return row.memory[row.tag.points()..].iter().all(|&x| x == 0);
         }
         let known = |slot: u32| self.shape_is_used(slot) && self.shapes.get(slot).flags & FRESH == 0;
-        if row.settled != 1 || row.child != 0 || meeting::unpack(&row.memory).is_none() {
+        if row.tag.child() != 0 || meeting::unpack(&row.memory).is_none() {
             return false;
         }
         if !known(row.pair.a) || !known(row.pair.b) {

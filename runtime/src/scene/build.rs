@@ -6,7 +6,7 @@ use super::error::{Problem, SceneError};
 use super::format::*;
 use super::place::Place;
 use super::{Limits, obj, rotation};
-use crate::new_world;
+use crate::{Memory, new_world};
 use cellstep_core::math::{Pose, Rotation, Vec3};
 use cellstep_core::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle, Line,
@@ -28,7 +28,7 @@ const ROOM_MAX: u32 = 1 << 24;
 /// A world made from a scene.
 pub struct Build {
     /// The world, before its first step.
-    pub world: World<Vec<Line>>,
+    pub world: World<Memory>,
     /// Its bodies, in the order of the document.
     pub bodies: Vec<BodyHandle>,
     /// For each mesh that was mended on import: its name in the document and what was done.
@@ -166,7 +166,7 @@ struct Assets<'a> {
 fn register<'a>(
     scene: &'a Scene,
     soups: &[Soup],
-    world: &mut World<Vec<Line>>,
+    world: &mut World<Memory>,
 ) -> Result<Assets<'a>, SceneError> {
     let refused = |table: &str, name: &str, error| {
         SceneError::new(Place::Root.key(table).key(name), Problem::World(error))
@@ -188,7 +188,7 @@ fn register<'a>(
 fn bodies(
     scene: &Scene,
     assets: &Assets<'_>,
-    world: &mut World<Vec<Line>>,
+    world: &mut World<Memory>,
 ) -> Result<Vec<BodyHandle>, SceneError> {
     let mut handles = Vec::with_capacity(scene.bodies.len());
     let list = Place::Root;

@@ -2,7 +2,7 @@
 
 use super::super::{Block, Cellular, IMMOVABLE, Link, Schedule, Scheduler, scratch_words};
 use super::graph::{BodyNode, NONE, PHASES, bodies_of};
-use super::{NEW, Upkeep};
+use super::{Change, NEW, Upkeep};
 
 /// Memory of a fresh build.
 pub(super) struct Bulk<'s> {
@@ -21,19 +21,23 @@ pub(super) struct Bulk<'s> {
 }
 
 impl Upkeep<'_> {
-    /// Builds the graph of the links that have a phase. `from` tells which those are.
-    pub(super) fn rebuild(&mut self, links: &[Link], from: &[u32], phases: &[u8]) {
+    /// Builds the graph of the links that have a phase, and lists the others; returns how many these are.
+    pub(super) fn rebuild(&mut self, change: &Change<'_>, phases: &[u8], begins: &mut [u32]) -> usize {
         self.clear();
-        for (index, link) in links.iter().enumerate() {
-            self.ids[index] = if from[index] == NEW {
-                NONE
+        let mut begun = 0;
+        for (index, link) in change.links.iter().enumerate() {
+            self.ids[index] = NONE;
+            if change.from[index] == NEW {
+                begins[begun] = index as u32;
+                begun += 1;
             } else {
                 let id = self.admit(link, index as u32);
                 self.list(id, usize::from(phases[index]));
-                id
-            };
+                self.ids[index] = id;
+            }
         }
-        self.header.link_count = links.len() as u32;
+        self.header.link_count = change.links.len() as u32;
+        begun
     }
 
     /// Finds the blocks of all links that have one, from the lists alone. `queue` has a place per body.
@@ -62,10 +66,10 @@ impl Upkeep<'_> {
             let body = queue[at] as usize;
             at += 1;
             if phase == 0 {
-                self.census[body].dirt = u32::from(dirt[body]);
+                self.bodies[body].dirt = u32::from(dirt[body]);
                 dirt_sum += u32::from(dirt[body]);
             }
-            let mut half = self.heads[body][phase];
+            let mut half = self.bodies[body].head[phase];
             while half != NONE {
                 let (other, next) = self.across(half);
                 half = next;
@@ -102,9 +106,9 @@ impl Upkeep<'_> {
         Cellular { block_links }.schedule(bodies as u32, &bulk.local[..links.len()], words, &mut schedule);
         for link in links {
             for body in bodies_of([link.a, link.b]) {
-                self.bodies[body as usize] = BodyNode { block: [NONE; PHASES], count: [0; PHASES] };
-                self.heads[body as usize] = [NONE; PHASES];
-                self.census[body as usize].dirt = 0;
+                let node = &mut self.bodies[body as usize];
+                let BodyNode { degree, dynamic, mark, .. } = *node;
+                *node = BodyNode { degree, dynamic, mark, ..BodyNode::EMPTY };
                 dirt[body as usize] = 0;
             }
         }

@@ -6,7 +6,7 @@
 //! A half link is `2 * link + side`. Links and blocks have ids of their own, which stay as long as the link or
 //! block does; ids and the order within a list are accidents of history and must never decide anything.
 
-use super::super::{CELLULAR_PHASES_MAX, IMMOVABLE, Link, words};
+use super::super::{BLOCK_LINKS_MIN, CELLULAR_PHASES_MAX, HUB_FACTOR, IMMOVABLE, Link, words};
 use super::Upkeep;
 use bytemuck::{Pod, Zeroable};
 
@@ -14,23 +14,19 @@ use bytemuck::{Pod, Zeroable};
 pub(super) const NONE: u32 = u32::MAX;
 /// The number of phases.
 pub(super) const PHASES: usize = CELLULAR_PHASES_MAX;
-/// Bodies with more links than this may be hubs, whatever g is.
-pub(super) const HEAVY: u32 = 128;
+/// Bodies with more links than this may be hubs, whatever g is: the limit for the least g of small scenes.
+pub(super) const HEAVY: u32 = HUB_FACTOR * BLOCK_LINKS_MIN as u32;
 
-/// A body's place in the ordering: one line of 64 bytes.
+/// A body's place in the ordering: two lines of 64 bytes, the first of which is what walks read.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct BodyNode {
     /// Its block in each phase, or [`NONE`].
     pub block: [u32; PHASES],
+    /// The first half link of its list in each phase, or [`NONE`].
+    pub head: [u32; PHASES],
     /// How many links it has in each phase.
     pub count: [u32; PHASES],
-}
-
-/// What else is known of a body.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(super) struct Census {
     /// How many links it has.
     pub degree: u32,
     /// How many of them go to other dynamic bodies.
@@ -39,6 +35,22 @@ pub(super) struct Census {
     pub dirt: u32,
     /// Stamp of the walk that last met it.
     pub mark: u32,
+    /// Up to whole lines.
+    pub padding: [u32; 4],
+}
+
+impl BodyNode {
+    /// A body without links.
+    pub const EMPTY: Self = Self {
+        block: [NONE; PHASES],
+        head: [NONE; PHASES],
+        count: [0; PHASES],
+        degree: 0,
+        dynamic: 0,
+        dirt: 0,
+        mark: 0,
+        padding: [0; 4],
+    };
 }
 
 /// A link.
@@ -97,10 +109,12 @@ pub(super) struct Header {
     pub stamp: u32,
     /// Links of each phase.
     pub phase_links: [u32; PHASES],
+    /// Up to whole lines.
+    pub padding: [u32; 13],
 }
 
 pub(super) const HEADER_WORDS: usize = words::<Header>();
-pub(super) const BODY_WORDS: usize = words::<BodyNode>() + PHASES + words::<Census>();
+pub(super) const BODY_WORDS: usize = words::<BodyNode>();
 pub(super) const LINK_WORDS: usize = words::<LinkNode>() + words::<BlockNode>() + 1;
 
 impl<'a> Upkeep<'a> {
@@ -108,15 +122,11 @@ impl<'a> Upkeep<'a> {
     pub(super) fn carve(bodies: usize, links: usize, words_of_cache: &'a mut [u32]) -> Self {
         let (header, rest) = words_of_cache.split_at_mut(HEADER_WORDS);
         let (body_nodes, rest) = rest.split_at_mut(bodies * words::<BodyNode>());
-        let (heads, rest) = rest.split_at_mut(bodies * PHASES);
-        let (census, rest) = rest.split_at_mut(bodies * words::<Census>());
         let (link_nodes, rest) = rest.split_at_mut(links * words::<LinkNode>());
         let (blocks, rest) = rest.split_at_mut(links * words::<BlockNode>());
         Self {
             header: &mut bytemuck::cast_slice_mut::<u32, Header>(header)[0],
             bodies: bytemuck::cast_slice_mut(body_nodes),
-            heads: bytemuck::cast_slice_mut(heads),
-            census: bytemuck::cast_slice_mut(census),
             links: bytemuck::cast_slice_mut(link_nodes),
             blocks: bytemuck::cast_slice_mut(blocks),
             ids: &mut rest[..links],
@@ -127,9 +137,7 @@ impl<'a> Upkeep<'a> {
     pub(super) fn clear(&mut self) {
         *self.header =
             Header { capacities: self.capacities(), link_free: NONE, block_free: NONE, ..Header::zeroed() };
-        self.bodies.fill(BodyNode { block: [NONE; PHASES], count: [0; PHASES] });
-        self.heads.fill([NONE; PHASES]);
-        self.census.fill(Census::default());
+        self.bodies.fill(BodyNode::EMPTY);
     }
 
     /// The capacities of this memory.
@@ -140,7 +148,7 @@ impl<'a> Upkeep<'a> {
     /// A stamp that no body or block has, nor the one after it.
     pub(super) fn next_stamp(&mut self) -> u32 {
         if self.header.stamp > u32::MAX - 8 {
-            self.census.iter_mut().for_each(|body| body.mark = 0);
+            self.bodies.iter_mut().for_each(|body| body.mark = 0);
             self.blocks.iter_mut().for_each(|block| block.mark = 0);
             self.header.stamp = 0;
         }
@@ -167,7 +175,7 @@ impl<'a> Upkeep<'a> {
         let dynamic = u32::from(far != IMMOVABLE);
         self.header.dynamic_links += dynamic;
         for body in bodies_of([link.a, far]) {
-            let census = &mut self.census[body as usize];
+            let census = &mut self.bodies[body as usize];
             census.degree += 1;
             self.header.heavy += u32::from(census.degree == HEAVY + 1);
             self.header.dynamic_bodies += u32::from(dynamic != 0 && census.dynamic == 0);
@@ -184,7 +192,7 @@ impl<'a> Upkeep<'a> {
         let dynamic = u32::from(end[1] != IMMOVABLE);
         self.header.dynamic_links -= dynamic;
         for body in bodies_of(end) {
-            let census = &mut self.census[body as usize];
+            let census = &mut self.bodies[body as usize];
             self.header.heavy -= u32::from(census.degree == HEAVY + 1);
             census.degree -= 1;
             census.dynamic -= dynamic;
@@ -200,7 +208,7 @@ impl<'a> Upkeep<'a> {
                 continue;
             }
             let half = 2 * id + side as u32;
-            let first = core::mem::replace(&mut self.heads[body as usize][phase], half);
+            let first = core::mem::replace(&mut self.bodies[body as usize].head[phase], half);
             if first != NONE {
                 self.links[first as usize / 2].previous[first as usize % 2] = half;
             }
@@ -227,7 +235,7 @@ impl<'a> Upkeep<'a> {
                 self.links[next as usize / 2].previous[next as usize % 2] = previous;
             }
             if previous == NONE {
-                self.heads[body as usize][phase] = next;
+                self.bodies[body as usize].head[phase] = next;
             } else {
                 self.links[previous as usize / 2].next[previous as usize % 2] = next;
             }
@@ -245,7 +253,7 @@ impl<'a> Upkeep<'a> {
 
     /// The half links of a body in a phase, in no defined order.
     pub(super) fn halves(&self, body: u32, phase: usize) -> impl Iterator<Item = u32> {
-        let mut half = self.heads[body as usize][phase];
+        let mut half = self.bodies[body as usize].head[phase];
         core::iter::from_fn(move || {
             let this = half;
             (this != NONE).then(|| {

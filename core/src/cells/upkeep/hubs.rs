@@ -6,7 +6,7 @@
 //! can be solved beside each other in later phases and the hub's cannot.
 //!
 //! Whether a body is a hub follows from its degree, and whether a block is a star from its links, so neither is
-//! remembered. While no body has more than 128 links, nothing here runs.
+//! remembered. While no body has more than 48 links, nothing here runs.
 
 use super::super::IMMOVABLE;
 use super::Work;
@@ -17,7 +17,7 @@ impl Work<'_, '_> {
     /// Whether a body is a hub: more links than four blocks hold.
     pub fn is_hub(&self, body: u32) -> bool {
         let limit = self.g.saturating_mul(super::super::HUB_FACTOR).max(HEAVY);
-        self.graph.census[body as usize].degree > limit
+        self.graph.bodies[body as usize].degree > limit
     }
 
     /// Whether a body that is no hub has a link to one in a phase.
@@ -72,7 +72,7 @@ impl Work<'_, '_> {
         let star = self.graph.bodies[hub as usize].block[0];
         let mut evicted = super::moves::Links::new();
         if other != IMMOVABLE && ![NONE, star].contains(&self.graph.bodies[other as usize].block[0]) {
-            let degree = self.graph.census[other as usize].degree;
+            let degree = self.graph.bodies[other as usize].degree;
             if degree > DEGREE_MAX as u32 || self.is_in_star(other, 0) {
                 return false;
             }
@@ -127,12 +127,12 @@ impl Work<'_, '_> {
         let stamp = self.graph.next_stamp();
         let queue = &mut *self.queues[0];
         queue[0] = hub;
-        self.graph.census[hub as usize].mark = stamp;
+        self.graph.bodies[hub as usize].mark = stamp;
         let (mut at, mut found, mut count) = (0, 1, 0);
         while at < found {
             let body = queue[at];
             at += 1;
-            let mut half = self.graph.heads[body as usize][0];
+            let mut half = self.graph.bodies[body as usize].head[0];
             while half != NONE {
                 let (other, next) = self.graph.across(half);
                 if body != hub && other != hub && half.is_multiple_of(2) {
@@ -140,8 +140,8 @@ impl Work<'_, '_> {
                     count += 1;
                 }
                 half = next;
-                if other != IMMOVABLE && self.graph.census[other as usize].mark != stamp {
-                    self.graph.census[other as usize].mark = stamp;
+                if other != IMMOVABLE && self.graph.bodies[other as usize].mark != stamp {
+                    self.graph.bodies[other as usize].mark = stamp;
                     queue[found] = other;
                     found += 1;
                 }

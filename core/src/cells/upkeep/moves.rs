@@ -71,19 +71,23 @@ impl Work<'_, '_> {
 
     /// The links of a body in some phases, by index. Of a body with at most [`DEGREE_MAX`] links.
     pub fn links_of(&self, body: u32, phases: core::ops::Range<usize>) -> Links {
-        let mut links = Links::new();
-        for phase in phases {
-            if self.graph.bodies[body as usize].count[phase] > 0 {
-                links.extend(self.graph.halves(body, phase).map(|half| half / 2));
+        let mut keys: heapless::Vec<u64, DEGREE_MAX> = heapless::Vec::new();
+        for &head in &self.graph.bodies[body as usize].head[phases] {
+            let mut half = head;
+            while half != NONE {
+                let link = &self.graph.links[half as usize / 2];
+                // As many links as places at most, hence there is one.
+                let _ = keys.push(u64::from(link.index) << 32 | u64::from(half / 2));
+                half = link.next[half as usize % 2];
             }
         }
-        links.sort_unstable_by_key(|&id| self.graph.links[id as usize].index);
-        links
+        keys.sort_unstable();
+        keys.iter().map(|&key| key as u32).collect()
     }
 
     /// The local moves of a body.
     pub fn improve(&mut self, body: u32) {
-        let degree = self.graph.census[body as usize].degree;
+        let degree = self.graph.bodies[body as usize].degree;
         if degree > DEGREE_MAX as u32 || self.graph.bodies[body as usize].count[0] == degree {
             return;
         }
@@ -154,7 +158,7 @@ impl Work<'_, '_> {
                 let _ = targets.push(Target { block, links: 1, body: other });
             }
         }
-        let census = self.graph.census[body as usize];
+        let census = self.graph.bodies[body as usize];
         let most = targets.iter().map(|target| target.links).max()?;
         if most + (census.degree - census.dynamic) <= node.count[0] {
             return None;

@@ -90,7 +90,7 @@ impl Work<'_, '_> {
         self.graph.bodies[body as usize].block[phase] = block;
         if phase == 0 {
             let dirt = u32::from(self.dirt[body as usize]);
-            self.graph.census[body as usize].dirt = dirt;
+            self.graph.bodies[body as usize].dirt = dirt;
             self.graph.blocks[block as usize].dirt += dirt;
         }
     }
@@ -99,7 +99,7 @@ impl Work<'_, '_> {
     fn leave(&mut self, body: u32, phase: usize) {
         let block = core::mem::replace(&mut self.graph.bodies[body as usize].block[phase], NONE);
         if phase == 0 {
-            let dirt = core::mem::take(&mut self.graph.census[body as usize].dirt);
+            let dirt = core::mem::take(&mut self.graph.bodies[body as usize].dirt);
             self.graph.blocks[block as usize].dirt -= dirt;
         }
     }
@@ -113,7 +113,7 @@ impl Work<'_, '_> {
         (queue[0], self.graph.bodies[start as usize].block[phase]) = (start, to);
         let (mut at, mut found) = (0, 1);
         while at < found {
-            let mut half = self.graph.heads[queue[at] as usize][phase];
+            let mut half = self.graph.bodies[queue[at] as usize].head[phase];
             at += 1;
             while half != NONE {
                 let (body, next) = self.graph.across(half);
@@ -139,8 +139,8 @@ impl Work<'_, '_> {
         let mut sides = [0, 1].map(|side| {
             let body = ends[side];
             self.queues[side][0] = body;
-            self.graph.census[body as usize].mark = stamp + side as u32;
-            let half = self.graph.heads[body as usize][phase];
+            self.graph.bodies[body as usize].mark = stamp + side as u32;
+            let half = self.graph.bodies[body as usize].head[phase];
             Side { half, opened: 1, found: 1, dynamic: 0, fixed: 0 }
         });
         let mut turn = 0;
@@ -159,7 +159,7 @@ impl Work<'_, '_> {
             if side.opened == side.found {
                 return Step::Exhausted;
             }
-            side.half = self.graph.heads[self.queues[which][side.opened] as usize][phase];
+            side.half = self.graph.bodies[self.queues[which][side.opened] as usize].head[phase];
             side.opened += 1;
         }
         let (body, next) = self.graph.across(side.half);
@@ -169,7 +169,7 @@ impl Work<'_, '_> {
             return Step::Onward;
         }
         side.dynamic += 1;
-        let mark = &mut self.graph.census[body as usize].mark;
+        let mark = &mut self.graph.bodies[body as usize].mark;
         if *mark == stamps[1] {
             return Step::Met;
         }
@@ -189,7 +189,7 @@ impl Work<'_, '_> {
         let mut dirt = 0;
         for &body in found {
             self.graph.bodies[body as usize].block[phase] = new;
-            dirt += self.graph.census[body as usize].dirt;
+            dirt += self.graph.bodies[body as usize].dirt;
         }
         let dirt = if phase == 0 { dirt } else { 0 };
         let size = side.dynamic / 2 + side.fixed;

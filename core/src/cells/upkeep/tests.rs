@@ -34,6 +34,17 @@ fn platform() -> Scene {
     graphs::platform(20)
 }
 
+/// A hub under many small stacks: its block fills with links between boxes before it has enough for a hub.
+fn carpet() -> Scene {
+    let (stacks, height) = (150, 4);
+    let hub = stacks * height;
+    let links = (0..hub).flat_map(|body| {
+        let above = (body % height + 1 < height).then_some(Link { a: body, b: body + 1, kind: 0 });
+        above.into_iter().chain([Link { a: body, b: hub, kind: 0 }])
+    });
+    Scene { name: "carpet", bodies: hub + 1, links: links.collect() }
+}
+
 /// Runs a scene, with and without cache at every step; the cache that goes on is dropped now and then.
 fn run_twice(churn: impl Churn, capacity: usize, steps: u32) {
     let mut driver = Driver::new(churn, capacity, 64);
@@ -41,6 +52,9 @@ fn run_twice(churn: impl Churn, capacity: usize, steps: u32) {
     for _ in 0..steps {
         driver.advance();
         driver.update_twice(random.below(10) > 0);
+        if random.below(20) == 0 {
+            driver.recall();
+        }
     }
     driver.check();
 }
@@ -93,8 +107,21 @@ fn the_cache_does_not_matter_at_hubs() {
     }
     let bipartite = graphs::bipartite(3, 600);
     run_twice(Flicker::new(bipartite.bodies, &bipartite.links, 30), bipartite.links.len(), 100);
-    let hubs = graphs::touching_hubs(5, 400);
-    run_twice(Trickle::new(hubs.bodies, &hubs.links, 20), hubs.links.len(), 105);
+    for (hubs, pace, steps) in [(graphs::touching_hubs(5, 400), 20, 105), (platform(), 6, 370)] {
+        run_twice(Trickle::new(hubs.bodies, &hubs.links, pace), hubs.links.len(), steps);
+    }
+}
+
+#[test]
+fn the_cache_does_not_matter_when_a_body_becomes_a_hub() {
+    // A lattice beside the carpet, there from the beginning, for a large g.
+    let (carpet, lattice) = (carpet(), graphs::lattice([9, 9, 9]));
+    let mut links = carpet.links.clone();
+    let shift = |body| if body == IMMOVABLE { body } else { body + carpet.bodies };
+    links.extend(lattice.links.iter().map(|link| Link { a: shift(link.a), b: shift(link.b), kind: 0 }));
+    let mut trickle = Trickle::new(carpet.bodies + lattice.bodies, &links, 4);
+    trickle.start(|key| key.0 >= carpet.bodies);
+    run_twice(trickle, links.len(), 260);
 }
 
 #[test]
@@ -103,6 +130,37 @@ fn the_cache_does_not_matter_with_parallel_links() {
     for scene in [tangle(200, &mut random), graphs::pairs(30, 40), graphs::knotted_chain(300, 60)] {
         run_twice(Flicker::new(scene.bodies, &scene.links, 9), scene.links.len(), 300);
     }
+}
+
+#[test]
+fn any_block_size_will_do() {
+    for block_links in [0, 1, 20, 1000, u32::MAX] {
+        let lattice = graphs::lattice([7, 7, 7]);
+        let flicker = Flicker::new(lattice.bodies, &lattice.links, 25);
+        let mut driver = Driver::new(flicker, lattice.links.len(), block_links);
+        for _ in 0..100 {
+            driver.advance();
+            driver.update_twice(true);
+            driver.check();
+        }
+    }
+}
+
+#[test]
+fn a_changed_block_size_makes_a_fresh_build() {
+    let lattice = graphs::lattice([12, 12, 12]);
+    let flicker = Flicker::new(lattice.bodies, &lattice.links, 40);
+    let mut driver = Driver::new(flicker, lattice.links.len(), 64);
+    let mut builds = 0;
+    for step in 0..400 {
+        driver.block_links = if step < 300 { 64 } else { 24 };
+        driver.advance();
+        driver.update_twice(true);
+        builds += if step >= 290 { driver.ordering.report.builds } else { 0 };
+    }
+    assert_eq!(builds, 1);
+    assert_eq!(driver.ordering.row.built, 24);
+    driver.check();
 }
 
 #[test]

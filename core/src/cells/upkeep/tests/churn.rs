@@ -29,7 +29,8 @@ pub fn link(&(a, b, which): &Key) -> Link {
 }
 
 /// Bodies that wobble about the places of a lattice while its layers shear: a pile in motion. Neighbours
-/// closer than `reach` touch; about six links per body. Each step, some bodies are removed and come back later in their slot.
+/// closer than `reach` touch; about six links per body. Each step, some bodies are removed and come back later
+/// in their slot.
 pub struct Pile {
     size: [u32; 3],
     time: u32,
@@ -164,6 +165,12 @@ impl Trickle {
         }
         Random(5).shuffle(&mut coming);
         Self { bodies, coming, present: vec![], pace }
+    }
+
+    /// Lets some come at once.
+    pub fn start(&mut self, which: impl Fn(&Key) -> bool) {
+        self.present.extend(self.coming.iter().copied().filter(&which));
+        self.coming.retain(|key| !which(key));
     }
 
     /// Whether all have come.

@@ -34,7 +34,7 @@ pub struct Driver<C> {
     keys: Vec<Key>,
     cache: Vec<u32>,
     capacity: usize,
-    block_links: u32,
+    pub block_links: u32,
     started: bool,
 }
 
@@ -120,6 +120,15 @@ impl<C: Churn> Driver<C> {
         let count = schedule.block_count;
         next.blocks.truncate(count);
         next
+    }
+
+    /// Loses the cache and derives it again, between two steps.
+    pub fn recall(&mut self) {
+        self.cache.fill(0x5a5a_5a5a);
+        let bodies = self.churn.bodies() as usize;
+        let mut scratch = vec![0xabab_abab; upkeep_scratch_words(bodies, self.capacity)];
+        let mut upkeep = Upkeep::new(bodies, self.capacity, &mut self.cache);
+        upkeep.recall(&self.links, &self.ordering.phases, &self.ordering.dirt, &mut scratch);
     }
 
     /// Updates, and asserts that an update without cache gives the same in every byte.
