@@ -4,35 +4,25 @@
 //! comparisons, selection and transposition. No fused or approximate operation, no reduction, so the bits are the
 //! same on every machine whatever its vector width.
 //!
-//! Work is dealt to [`LANES`] chains on every machine. How many of them an instruction takes is the machine's
-//! [`WIDTH`]: eight with AVX, four elsewhere, where eight would need every register twice and spend half of the
-//! instructions on moving them. A row is then visited in [`PARTS`] parts. A lane knows nothing of its neighbours,
-//! so the width never changes a bit.
+//! Eight lanes on every machine: where an instruction takes four, two of them have their chains of dependent
+//! operations side by side, which costs moves between registers but fills the waits (with four lanes and the same
+//! kernel SSE2 takes 20 % fewer instructions and 15 % more time). A lane knows nothing of its neighbours.
 
 use bytemuck::{Pod, Zeroable};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use wide::{f32x4, f32x8};
 
-/// Chains that are solved side by side.
+/// Number of lanes.
 pub const LANES: usize = 8;
-/// Lanes of an instruction.
-pub const WIDTH: usize = size_of::<Native>() / size_of::<f32>();
-/// Instructions for all lanes.
-pub const PARTS: usize = LANES / WIDTH;
 
-#[cfg(target_feature = "avx")]
-type Native = f32x8;
-#[cfg(not(target_feature = "avx"))]
-type Native = f32x4;
-
-/// One number for each lane of an instruction.
+/// One number for each lane.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Lane(Native);
+pub struct Lane(f32x8);
 
 /// One truth value for each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Mask(Native);
+pub struct Mask(f32x8);
 
 /// Eight numbers of one thing, a body or a contact, next to each other in memory.
 #[repr(transparent)]
@@ -58,18 +48,18 @@ impl Words {
 
 impl Lane {
     /// All lanes 0.
-    pub const ZERO: Self = Self(Native::ZERO);
+    pub const ZERO: Self = Self(f32x8::ZERO);
 
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(x: f32) -> Self {
-        Self(Native::splat(x))
+        Self(f32x8::splat(x))
     }
 
     /// One number for each lane.
     #[inline(always)]
-    pub fn new(x: [f32; WIDTH]) -> Self {
-        Self(Native::new(x))
+    pub fn new(x: [f32; LANES]) -> Self {
+        Self(f32x8::new(x))
     }
 
     /// The number in one lane.
@@ -138,6 +128,9 @@ impl Lane {
 }
 
 impl Mask {
+    /// All false.
+    pub const NONE: Self = Self(f32x8::ZERO);
+
     /// `yes` where true, `no` where false.
     #[inline(always)]
     pub fn select(self, yes: Lane, no: Lane) -> Lane {
@@ -202,48 +195,37 @@ impl Neg for Lane {
     }
 }
 
-/// Four rows of four numbers become columns.
+/// Rows become columns. By quarters, because the four-wide transposition is fast without AVX too.
 #[inline(always)]
-fn quarter(rows: &[[f32x4; 2]], half: usize) -> [f32x4; 4] {
-    f32x4::transpose([rows[0][half], rows[1][half], rows[2][half], rows[3][half]])
+fn turn_over(rows: [f32x8; LANES]) -> [f32x8; LANES] {
+    let [a, b, c, d, e, f, g, h] = rows.map(|row| bytemuck::cast::<_, [f32x4; 2]>(row));
+    let low = f32x4::transpose([a[0], b[0], c[0], d[0]]);
+    let high = f32x4::transpose([e[0], f[0], g[0], h[0]]);
+    let next_low = f32x4::transpose([a[1], b[1], c[1], d[1]]);
+    let next_high = f32x4::transpose([e[1], f[1], g[1], h[1]]);
+    let join = |low: f32x4, high: f32x4| bytemuck::cast([low, high]);
+    [
+        join(low[0], high[0]),
+        join(low[1], high[1]),
+        join(low[2], high[2]),
+        join(low[3], high[3]),
+        join(next_low[0], next_high[0]),
+        join(next_low[1], next_high[1]),
+        join(next_low[2], next_high[2]),
+        join(next_low[3], next_high[3]),
+    ]
 }
 
-/// The words of as many things as there are lanes, word by word.
+/// The words of eight things, word by word.
 #[inline(always)]
-pub fn transpose(rows: [Words; WIDTH]) -> [Lane; 8] {
-    let halves: [[f32x4; 2]; WIDTH] = rows.map(|row| bytemuck::cast(row.0));
-    let mut words = [Lane::ZERO; 8];
-    for half in 0..2 {
-        // By quarters, because the four-wide transposition is fast everywhere.
-        let mut columns = [[f32x4::ZERO; WIDTH / 4]; 4];
-        for part in 0..WIDTH / 4 {
-            let quarter = quarter(&halves[4 * part..], half);
-            for (column, own) in columns.iter_mut().zip(quarter) {
-                column[part] = own;
-            }
-        }
-        for (word, column) in words[4 * half..].iter_mut().zip(columns) {
-            *word = Lane(bytemuck::cast(column));
-        }
-    }
-    words
+pub fn transpose(rows: [Words; LANES]) -> [Lane; 8] {
+    turn_over(rows.map(|row| row.0)).map(Lane)
 }
 
 /// Undoes [`transpose`].
 #[inline(always)]
-pub fn transpose_back(words: [Lane; 8]) -> [Words; WIDTH] {
-    let columns: [[f32x4; WIDTH / 4]; 8] = words.map(|word| bytemuck::cast(word.0));
-    let mut rows = [[f32x4::ZERO; 2]; WIDTH];
-    for part in 0..WIDTH / 4 {
-        for half in 0..2 {
-            let [a, b, c, d] = core::array::from_fn(|i| columns[4 * half + i][part]);
-            let quarter = f32x4::transpose([a, b, c, d]);
-            for (row, own) in rows[4 * part..].iter_mut().zip(quarter) {
-                row[half] = own;
-            }
-        }
-    }
-    rows.map(|row| Words(bytemuck::cast(row)))
+pub fn transpose_back(words: [Lane; 8]) -> [Words; LANES] {
+    turn_over(words.map(|word| word.0)).map(Words)
 }
 
 /// A vector in every lane.
@@ -333,11 +315,11 @@ mod tests {
 
     #[test]
     fn transposition_swaps_rows_and_columns() {
-        let rows: [Words; WIDTH] =
+        let rows: [Words; LANES] =
             core::array::from_fn(|r| Words::new(core::array::from_fn(|c| (10 * r + c) as f32)));
         let columns = transpose(rows);
         for (c, column) in columns.iter().enumerate() {
-            for r in 0..WIDTH {
+            for r in 0..LANES {
                 assert_eq!(column.get(r), (10 * r + c) as f32);
             }
         }

@@ -55,7 +55,7 @@ pub(crate) struct Pair {
 }
 
 /// What a contact carries from step to step.
-#[repr(C)]
+#[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct ContactRow {
     pub pair: Pair,
@@ -311,7 +311,7 @@ region! {
 /// Points of a contact in the frames of its shapes: what they are in the world follows from the poses.
 ///
 /// A is the side that the solver calls A; see [`Touch`]. Unused points are zero.
-#[repr(C)]
+#[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct Memo {
     /// Unit normal from A to B in A's frame.
@@ -327,7 +327,7 @@ pub(crate) struct Memo {
 }
 
 /// What a contact is in this step.
-#[repr(C)]
+#[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Touch {
     /// Slots of the shapes in the solver's order: A's body is dynamic, and the rounder one of two dynamic ones.
@@ -353,14 +353,16 @@ impl Touch {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Birth {
     pub row: ContactRow,
-    /// Contacts of the step before that come before it.
-    pub before: u32,
     pub memo: Memo,
     pub touch: Touch,
+    /// Contacts of the step before that come before it.
+    pub before: u32,
+    /// Zero.
+    pub reserved: [u32; 7],
 }
 
 /// A body that takes part in the solve: three rows of lanes.
-#[repr(C)]
+#[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Active {
     /// Velocity at the start of the step, m/s.

@@ -337,12 +337,6 @@ fn the_core_stands_alone() {
             let after = &own[offset + word.len()..];
             let line = line_of(own, offset);
             let checks = ["(test)", "!(debug_assertions)", "!(target_endian"];
-            // How many lanes an instruction takes is the machine's affair, and changes no bit.
-            let width =
-                ["(target_feature", "(not(target_feature"].iter().any(|check| after.starts_with(check));
-            if source.path == "core/src/lanes.rs" && width {
-                continue;
-            }
             if word == "cfg" && !checks.iter().any(|check| after.starts_with(check)) || word == "cfg_attr" {
                 findings.add(source, line, "`cfg` in the core");
             }

@@ -7,8 +7,8 @@
 //! Legend: `va, wa, ma` are velocity, whitened angular velocity and inverse mass of body A; `n` the normal, `t`
 //! and `s` the tangents; `h` the substep.
 
-use super::row::{Bias, LinkPart, LinkRow, PointPart, PointRow};
-use crate::lanes::{Lane, LaneVec, Mask, PARTS, WIDTH, transpose, transpose_back};
+use super::row::{Bias, LinkRow, PointRow};
+use crate::lanes::{LANES, Lane, LaneVec, Mask, transpose, transpose_back};
 use crate::pipeline::seat::Seat;
 
 /// What a sweep does at each row.
@@ -62,8 +62,12 @@ pub(crate) fn visit(sweep: &Sweep, rows: &mut [LinkRow], points: &mut [PointRow]
         if sweep.pass == Pass::Bounce && row.bounces == 0 {
             continue;
         }
-        for index in 0..PARTS {
-            visit_part(sweep, row, (points, index), seats);
+        // One kernel, compiled for each number of points: its loops have no ends to test.
+        match row.points {
+            1 => visit_row::<1>(sweep, row, points, seats),
+            2 => visit_row::<2>(sweep, row, points, seats),
+            3 => visit_row::<3>(sweep, row, points, seats),
+            _ => visit_row::<4>(sweep, row, points, seats),
         }
     }
 }
@@ -77,68 +81,86 @@ struct Traits {
     surfaces: bool,
 }
 
-/// The points of a row, as one part of its lanes sees them.
-struct Points<'a> {
-    rows: &'a mut [PointRow],
-    part: usize,
+impl Traits {
+    const NONE: Self = Self { bounces: false, locked: false, uneven: false, surfaces: false };
 }
 
-impl Points<'_> {
-    #[inline(always)]
-    fn iter(&self) -> impl Iterator<Item = &PointPart> {
-        self.rows.iter().map(|row| &row.parts[self.part])
-    }
-
-    #[inline(always)]
-    fn iter_mut(&mut self) -> impl Iterator<Item = &mut PointPart> {
-        self.rows.iter_mut().map(|row| &mut row.parts[self.part])
-    }
-
-    #[inline(always)]
-    fn load(&self) -> Lane {
-        self.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse)
-    }
-}
-
-fn visit_part(
-    sweep: &Sweep,
-    row: &mut LinkRow,
-    (points, index): (&mut [PointRow], usize),
-    seats: &mut [Seat],
-) {
+fn visit_row<const N: usize>(sweep: &Sweep, row: &mut LinkRow, points: &mut [PointRow], seats: &mut [Seat]) {
     let traits = Traits {
         bounces: row.bounces != 0,
         locked: row.locked != 0,
         uneven: row.uneven != 0,
         surfaces: row.surfaces != 0,
     };
-    let lanes = index * WIDTH..(index + 1) * WIDTH;
-    let (seats_a, seats_b) = (&row.seats_a[lanes.clone()], &row.seats_b[lanes]);
-    let link = &mut row.parts[index];
-    let mut points = Points { rows: points, part: index };
+    let Some(points) = points.first_chunk_mut::<N>() else { return };
+    if row.bounces | row.locked | row.uneven | row.surfaces == 0 {
+        // The same code: that nothing is to be looked up is known when it is compiled.
+        visit_points(sweep, row, (points, Traits::NONE), seats);
+    } else {
+        visit_points(sweep, row, (points, traits), seats);
+    }
+}
+
+#[inline(always)]
+fn visit_points<const N: usize>(
+    sweep: &Sweep,
+    row: &mut LinkRow,
+    (points, traits): (&mut [PointRow; N], Traits),
+    seats: &mut [Seat],
+) {
     if matches!(sweep.pass, Pass::Relax | Pass::Follow) {
-        if follow(link, (&mut points, traits), (seats_a, seats_b, seats), sweep) {
-            row.turns |= 1 << index;
-        }
+        follow(row, (points, traits), seats, sweep);
         if sweep.pass == Pass::Follow {
             return;
         }
     }
-    let shift = Shift::of(link);
-    let mut u = Velocities::gather((seats_a, seats_b), seats, traits.locked);
+    let shift = Shift::of(row);
+    let mut u = Velocities::gather(row, seats, traits.locked);
     match sweep.pass {
-        Pass::Warm => warm(&mut u, link, &points),
-        Pass::Bounce => bounce(&mut u, link, (&mut points, traits), (sweep, &shift)),
+        Pass::Warm => warm(&mut u, row, points),
+        Pass::Bounce => bounce(&mut u, row, (points, traits), (sweep, &shift)),
         _ => {
-            if row.turns >> index & 1 != 0 && sweep.pass == Pass::Biased {
-                u.wb = u.wb + link.turn;
-                row.turns &= !(1 << index);
+            if row.turns != 0 && sweep.pass == Pass::Biased {
+                u.wb = u.wb + row.turn;
+                row.turns = 0;
             }
-            solve_friction(&mut u, link, points.load(), (&shift, traits.surfaces));
-            solve_normals(&mut u, link, (&mut points, traits), (sweep, &shift));
+            if shift.any {
+                solve_sliding(&mut u, row, (points, traits), (sweep, &shift));
+            } else {
+                solve(&mut u, row, (points, traits), (sweep, &Shift::NONE));
+            }
         }
     }
-    u.scatter((seats_a, seats_b), seats);
+    u.scatter(row, seats);
+}
+
+/// Sum of the points' impulses.
+#[inline(always)]
+fn load_of(points: &[PointRow]) -> Lane {
+    points.iter().fold(Lane::ZERO, |sum, point| sum + point.impulse)
+}
+
+/// A row whose bodies have not slid along each other.
+#[inline(always)]
+fn solve<const N: usize>(
+    u: &mut Velocities,
+    row: &mut LinkRow,
+    (points, traits): (&mut [PointRow; N], Traits),
+    (sweep, shift): (&Sweep, &Shift),
+) {
+    solve_friction(u, row, load_of(points), (shift, traits.surfaces));
+    solve_normals(u, row, (points, traits), (sweep, shift));
+}
+
+/// The same for one whose bodies have: it is rare, and kept out of the way.
+#[inline(never)]
+fn solve_sliding<const N: usize>(
+    u: &mut Velocities,
+    row: &mut LinkRow,
+    (points, traits): (&mut [PointRow; N], Traits),
+    (sweep, shift): (&Sweep, &Shift),
+) {
+    solve(u, row, (points, traits), (sweep, shift));
 }
 
 /// How B's jacobians change because the point of contact went with A: `r = r0 - slide`, so
@@ -153,9 +175,18 @@ struct Shift {
 }
 
 impl Shift {
+    /// None.
+    const NONE: Self = Self {
+        normal: LaneVec::ZERO,
+        first: LaneVec::ZERO,
+        second: LaneVec::ZERO,
+        slides: Mask::NONE,
+        any: false,
+    };
+
     #[inline(always)]
-    fn of(link: &LinkPart) -> Self {
-        let slides = link.slide.dot(link.slide).greater(link.slide_min);
+    fn of(row: &LinkRow) -> Self {
+        let slides = row.slide.dot(row.slide).greater(row.slide_min);
         let mut shift = Self {
             normal: LaneVec::ZERO,
             first: LaneVec::ZERO,
@@ -164,10 +195,10 @@ impl Shift {
             any: slides.any(),
         };
         if shift.any {
-            let turn = |direction: LaneVec| root_times(&link.root_b, direction.cross(link.slide));
-            shift.normal = turn(link.normal);
-            shift.first = turn(link.tangent);
-            shift.second = turn(link.normal.cross(link.tangent));
+            let turn = |direction: LaneVec| root_times(&row.root_b, direction.cross(row.slide));
+            shift.normal = turn(row.normal);
+            shift.first = turn(row.tangent);
+            shift.second = turn(row.normal.cross(row.tangent));
         }
         shift
     }
@@ -182,7 +213,7 @@ impl Shift {
     /// shorter one a sweep would overshoot, and bodies that slide along each other for longer than their arms would
     /// explode.
     #[inline(always)]
-    fn mass(&self, (point, mass): (&PointPart, Lane), jb: LaneVec) -> Lane {
+    fn mass(&self, (point, mass): (&PointRow, Lane), jb: LaneVec) -> Lane {
         if !self.any {
             return mass;
         }
@@ -194,15 +225,15 @@ impl Shift {
 
     /// The same for both tangents, by the trace of what their 2x2 block gains.
     #[inline(always)]
-    fn friction_mass(&self, link: &LinkPart, (first_b, second_b): (LaneVec, LaneVec)) -> Lane {
+    fn friction_mass(&self, row: &LinkRow, (first_b, second_b): (LaneVec, LaneVec)) -> Lane {
         if !self.any {
-            return link.friction_mass;
+            return row.friction_mass;
         }
         let now = first_b.dot(first_b) + second_b.dot(second_b);
-        let before = link.first_b.dot(link.first_b) + link.second_b.dot(link.second_b);
+        let before = row.first_b.dot(row.first_b) + row.second_b.dot(row.second_b);
         let more = (now - before).greatest(Lane::ZERO);
-        let sum = Lane::splat(1.0) + link.friction_mass * more;
-        self.slides.select(link.friction_mass / sum, link.friction_mass)
+        let sum = Lane::splat(1.0) + row.friction_mass * more;
+        self.slides.select(row.friction_mass / sum, row.friction_mass)
     }
 }
 
@@ -219,9 +250,9 @@ pub(crate) fn root_times(root: &[LaneVec; 2], v: LaneVec) -> LaneVec {
 
 impl Velocities {
     #[inline(always)]
-    fn gather((seats_a, seats_b): (&[u32], &[u32]), seats: &[Seat], locked: bool) -> Self {
-        let a = transpose(core::array::from_fn(|i| seats[seats_a[i] as usize].velocity));
-        let b = transpose(core::array::from_fn(|i| seats[seats_b[i] as usize].velocity));
+    fn gather(row: &LinkRow, seats: &[Seat], locked: bool) -> Self {
+        let a = transpose(row.seats_a.map(|i| seats[i as usize].velocity));
+        let b = transpose(row.seats_b.map(|i| seats[i as usize].velocity));
         let (ma, mb) = if locked {
             (free_axes(a[7]).times(a[3]), free_axes(b[7]).times(b[3]))
         } else {
@@ -240,15 +271,15 @@ impl Velocities {
     }
 
     #[inline(always)]
-    fn scatter(&self, (seats_a, seats_b): (&[u32], &[u32]), seats: &mut [Seat]) {
+    fn scatter(&self, row: &LinkRow, seats: &mut [Seat]) {
         // Each body is in one lane only, and scratch seats are the lane's own: no write meets another.
         let (va, wa, [m, l]) = (self.va, self.wa, self.rest_a);
         let a = transpose_back([va.x, va.y, va.z, m, wa.x, wa.y, wa.z, l]);
         let (vb, wb, [m, l]) = (self.vb, self.wb, self.rest_b);
         let b = transpose_back([vb.x, vb.y, vb.z, m, wb.x, wb.y, wb.z, l]);
-        for i in 0..WIDTH {
-            seats[seats_a[i] as usize].velocity = a[i];
-            seats[seats_b[i] as usize].velocity = b[i];
+        for i in 0..LANES {
+            seats[row.seats_a[i] as usize].velocity = a[i];
+            seats[row.seats_b[i] as usize].velocity = b[i];
         }
     }
 
@@ -287,20 +318,22 @@ pub(crate) fn free_axes(locks: Lane) -> LaneVec {
     LaneVec::new(x.select(zero, one), y.select(zero, one), z.select(zero, one))
 }
 
-/// Brings separations and the slide to the end of the substep. True when the warm start has to be turned.
-fn follow(
-    link: &mut LinkPart,
-    (points, traits): (&mut Points<'_>, Traits),
-    (seats_a, seats_b, seats): (&[u32], &[u32], &[Seat]),
+/// Brings separations and the slide to the end of the substep.
+#[inline(always)]
+fn follow<const N: usize>(
+    row: &mut LinkRow,
+    (points, traits): (&mut [PointRow; N], Traits),
+    seats: &[Seat],
     sweep: &Sweep,
-) -> bool {
-    let shift = Shift::of(link);
-    let a = transpose(core::array::from_fn(|i| seats[seats_a[i] as usize].moved));
-    let b = transpose(core::array::from_fn(|i| seats[seats_b[i] as usize].moved));
+) {
+    let shift = Shift::of(row);
+    let a = transpose(row.seats_a.map(|i| seats[i as usize].moved));
+    let b = transpose(row.seats_b.map(|i| seats[i as usize].moved));
     let moved = LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     let (ta, tb) = (LaneVec::new(a[4], a[5], a[6]), LaneVec::new(b[4], b[5], b[6]));
-    let along = link.normal.dot(moved);
+    let along = row.normal.dot(moved);
     let h = Lane::splat(sweep.substep);
+    let mut soft = Lane::ZERO;
     for point in points.iter_mut() {
         let jb = shift.apply(point.normal_b, shift.normal);
         let mut change = along + (jb.dot(tb) - point.normal_a.dot(ta));
@@ -312,69 +345,78 @@ fn follow(
             change = point.mass.greater(Lane::ZERO).keep(change);
         }
         point.separation = point.separation + change;
-        point.aim(link, sweep.bias);
+        point.aim(row, sweep.bias);
+        soft = soft + point.soft;
+    }
+    if N > 1 {
+        row.soft_press_mass = press_mass(row.count, row.inertia + soft);
     }
     // Against an immovable body the point rides on the moving one: its arm stays.
-    link.slide = link.slide + moved;
-    turn_warm_start(link, points, &shift)
+    row.slide = row.slide + moved;
+    turn_warm_start(row, points, &shift);
 }
 
 /// The impulses so far are the next substep's warm start, and come as the change of velocity that they made
 /// with the arms of this one. Notes what B's new arms change of it: without that a hard blow between bodies
 /// that slide leaks angular momentum, 1e-3 of all in a storm of collisions.
-fn turn_warm_start(link: &mut LinkPart, points: &Points<'_>, before: &Shift) -> bool {
-    let after = Shift::of(link);
+fn turn_warm_start<const N: usize>(row: &mut LinkRow, points: &[PointRow; N], before: &Shift) {
+    let after = Shift::of(row);
     // A lane that slides no longer takes back what it got.
     if !before.any && !after.any {
-        return false;
+        return;
     }
     let none = LaneVec::ZERO;
     let change = |old: LaneVec, new: LaneVec, impulse: Lane| {
         (after.apply(none, new) - before.apply(none, old)).times(impulse)
     };
-    link.turn = change(before.normal, after.normal, points.load())
-        + change(before.first, after.first, link.first_impulse)
-        + change(before.second, after.second, link.second_impulse);
-    true
+    row.turn = change(before.normal, after.normal, load_of(points))
+        + change(before.first, after.first, row.first_impulse)
+        + change(before.second, after.second, row.second_impulse);
+    row.turns = 1;
 }
 
-fn warm(u: &mut Velocities, link: &LinkPart, points: &Points<'_>) {
-    let second = link.normal.cross(link.tangent);
+fn warm<const N: usize>(u: &mut Velocities, row: &LinkRow, points: &[PointRow; N]) {
+    let second = row.normal.cross(row.tangent);
     for point in points.iter() {
-        u.apply(link.normal, (point.normal_a, point.normal_b), point.impulse);
+        u.apply(row.normal, (point.normal_a, point.normal_b), point.impulse);
     }
-    u.apply(link.tangent, (link.first_a, link.first_b), link.first_impulse);
-    u.apply(second, (link.second_a, link.second_b), link.second_impulse);
-    u.apply_torque(link.twist_a, link.twist_b, link.twist_impulse);
+    u.apply(row.tangent, (row.first_a, row.first_b), row.first_impulse);
+    u.apply(second, (row.second_a, row.second_b), row.second_impulse);
+    u.apply_torque(row.twist_a, row.twist_b, row.twist_impulse);
 }
 
 /// The tangents as one disc, then the twist.
 #[inline(always)]
-fn solve_friction(u: &mut Velocities, link: &mut LinkPart, load: Lane, (shift, surfaces): (&Shift, bool)) {
-    let limit = link.friction * load;
-    let second = link.normal.cross(link.tangent);
-    let first_b = shift.apply(link.first_b, shift.first);
-    let second_b = shift.apply(link.second_b, shift.second);
-    let surface = if surfaces { link.surface } else { LaneVec::ZERO };
+fn solve_friction(u: &mut Velocities, row: &mut LinkRow, load: Lane, (shift, surfaces): (&Shift, bool)) {
+    let limit = row.friction * load;
+    let second = row.normal.cross(row.tangent);
+    let first_b = shift.apply(row.first_b, shift.first);
+    let second_b = shift.apply(row.second_b, shift.second);
+    let surface = if surfaces { row.surface } else { LaneVec::ZERO };
 
-    let friction_mass = shift.friction_mass(link, (first_b, second_b));
-    let x = link.first_impulse - friction_mass * (u.rate(link.tangent, link.first_a, first_b) + surface.x);
-    let y = link.second_impulse - friction_mass * (u.rate(second, link.second_a, second_b) + surface.y);
-    let size = (x * x + y * y).sqrt();
-    let outside = size.greater(limit);
-    let one = Lane::splat(1.0);
-    let scale = outside.select(limit / outside.select(size, one), one);
-    let (x, y) = ((x * scale).finite().flushed(), (y * scale).finite().flushed());
-    u.apply(link.tangent, (link.first_a, first_b), x - link.first_impulse);
-    u.apply(second, (link.second_a, second_b), y - link.second_impulse);
-    (link.first_impulse, link.second_impulse) = (x, y);
+    let friction_mass = shift.friction_mass(row, (first_b, second_b));
+    let x = row.first_impulse - friction_mass * (u.rate(row.tangent, row.first_a, first_b) + surface.x);
+    let y = row.second_impulse - friction_mass * (u.rate(second, row.second_a, second_b) + surface.y);
+    let square = x * x + y * y;
+    let outside = square.greater(limit * limit);
+    let (mut x, mut y) = (x, y);
+    // A lane inside the disc is multiplied by 1: `any` only saves the root and the division.
+    if outside.any() {
+        let one = Lane::splat(1.0);
+        let scale = outside.select(limit / outside.select(square.sqrt(), one), one);
+        (x, y) = (x * scale, y * scale);
+    }
+    let (x, y) = (x.finite().flushed(), y.finite().flushed());
+    u.apply(row.tangent, (row.first_a, first_b), x - row.first_impulse);
+    u.apply(second, (row.second_a, second_b), y - row.second_impulse);
+    (row.first_impulse, row.second_impulse) = (x, y);
 
-    let limit = limit * link.radius;
-    let rate = link.twist_b.dot(u.wb) - link.twist_a.dot(u.wa) + surface.z;
-    let z = link.twist_impulse - link.twist_mass * rate;
+    let limit = limit * row.radius;
+    let rate = row.twist_b.dot(u.wb) - row.twist_a.dot(u.wa) + surface.z;
+    let z = row.twist_impulse - row.twist_mass * rate;
     let z = z.least(limit).greatest(-limit).finite().flushed();
-    u.apply_torque(link.twist_a, link.twist_b, z - link.twist_impulse);
-    link.twist_impulse = z;
+    u.apply_torque(row.twist_a, row.twist_b, z - row.twist_impulse);
+    row.twist_impulse = z;
 }
 
 /// The relative motion along the normal, kept as one number while the points of a row are solved.
@@ -390,8 +432,8 @@ struct Line<'a> {
 
 impl<'a> Line<'a> {
     #[inline(always)]
-    fn new(u: &'a mut Velocities, link: &LinkPart) -> Self {
-        let n = link.normal;
+    fn new(u: &'a mut Velocities, row: &LinkRow) -> Self {
+        let n = row.normal;
         let speed = n.dot(u.vb - u.va);
         let yields = n.dot(n.each_times(u.ma + u.mb));
         Self { u, speed, yields, sum: Lane::ZERO }
@@ -412,8 +454,8 @@ impl<'a> Line<'a> {
     }
 
     #[inline(always)]
-    fn finish(self, link: &LinkPart) {
-        let p = link.normal.times(self.sum);
+    fn finish(self, row: &LinkRow) {
+        let p = row.normal.times(self.sum);
         self.u.va = self.u.va - p.each_times(self.u.ma);
         self.u.vb = self.u.vb + p.each_times(self.u.mb);
     }
@@ -430,23 +472,31 @@ struct Demand {
 impl Demand {
     /// With a spring for overlaps.
     #[inline(always)]
-    fn biased(point: &PointPart) -> Self {
+    fn biased(point: &PointRow) -> Self {
         Self { bias: point.bias, soft: point.soft, mass: point.soft_mass }
     }
 
     /// Without: an overlap may stay.
     #[inline(always)]
-    fn relaxed(point: &PointPart) -> Self {
+    fn relaxed(point: &PointRow) -> Self {
         let bias = point.bias.greater(Lane::ZERO).keep(point.bias);
         Self { bias, soft: Lane::ZERO, mass: point.mass }
     }
 
     /// The speed of departure; a point that does not bounce may go on as it does.
     #[inline(always)]
-    fn bouncing(point: &PointPart) -> Self {
+    fn bouncing(point: &PointRow) -> Self {
         let mass = point.bounce.greater(Lane::ZERO).keep(point.mass);
         Self { bias: -point.bounce, soft: Lane::ZERO, mass }
     }
+}
+
+/// What "the same impulse more at every point" takes off the sum of the points' rates, inverted. 0 for one point.
+#[inline(always)]
+pub(crate) fn press_mass(count: Lane, inertia: Lane) -> Lane {
+    let one = Lane::splat(1.0);
+    let several = count.greater(Lane::splat(1.5)).and(inertia.greater(Lane::splat(f32::MIN_POSITIVE)));
+    several.keep(one / several.select(inertia, one))
 }
 
 /// One exact step along "the same impulse more at every point"; returns that impulse. The points have yet to take
@@ -457,13 +507,13 @@ impl Demand {
 /// the minimum of the row's energy in that direction, so it never slows the sweeps down; it stops where the first
 /// point would pull. Where points are apart, that is at once.
 #[inline(always)]
-fn press_together(
+fn press_together<const N: usize>(
     line: &mut Line<'_>,
-    link: &LinkPart,
-    ((points, traits), shift): ((&Points<'_>, Traits), &Shift),
-    demand: impl Fn(&PointPart) -> Demand,
+    row: &LinkRow,
+    ((points, traits), shift): ((&[PointRow; N], Traits), &Shift),
+    (mass, demand): (Lane, impl Fn(&PointRow) -> Demand),
 ) -> Lane {
-    let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
+    let zero = Lane::ZERO;
     let (mut ja, mut jb) = (LaneVec::ZERO, LaneVec::ZERO);
     let (mut wanted, mut soft) = (zero, zero);
     let mut least = Lane::splat(f32::MAX);
@@ -480,29 +530,31 @@ fn press_together(
         let lesser = point.impulse.least(least);
         least = if traits.uneven { point.mass.greater(zero).select(lesser, least) } else { lesser };
     }
-    let count = link.count;
+    let count = row.count;
     let jb = shift.apply(jb, shift.normal.times(count));
     let rate = count * line.speed + (jb.dot(line.u.wb) - ja.dot(line.u.wa));
-    let inertia = count * count * line.yields + ja.dot(ja) + jb.dot(jb) + soft;
-    let several = count.greater(Lane::splat(1.5)).and(inertia.greater(zero));
-    let x = -(rate + wanted) / several.select(inertia, one);
-    let x = several.keep(x.greatest(-least)).finite();
+    let mass = if shift.any {
+        press_mass(count, count * count * line.yields + ja.dot(ja) + jb.dot(jb) + soft)
+    } else {
+        mass
+    };
+    let x = (mass * -(rate + wanted)).greatest(-least).finite();
     line.press((ja, jb), (count, x));
     x
 }
 
 /// All points together, then one after the other.
 #[inline(always)]
-fn solve_points(
+fn solve_points<const N: usize>(
     mut line: Line<'_>,
-    link: &LinkPart,
-    ((points, traits), shift): ((&mut Points<'_>, Traits), &Shift),
-    demand: impl Fn(&PointPart) -> Demand,
+    row: &LinkRow,
+    ((points, traits), shift): ((&mut [PointRow; N], Traits), &Shift),
+    (press_mass, demand): (Lane, impl Fn(&PointRow) -> Demand),
 ) {
     let one = Lane::splat(1.0);
     let mut together = Lane::ZERO;
-    if points.rows.len() > 1 {
-        together = press_together(&mut line, link, ((points, traits), shift), &demand);
+    if N > 1 {
+        together = press_together(&mut line, row, ((points, traits), shift), (press_mass, &demand));
     }
     for point in points.iter_mut() {
         let jb = shift.apply(point.normal_b, shift.normal);
@@ -518,24 +570,24 @@ fn solve_points(
         point.impulse = after;
         line.press((point.normal_a, jb), (one, after - before));
     }
-    line.finish(link);
+    line.finish(row);
 }
 
 #[inline(always)]
-fn solve_normals(
+fn solve_normals<const N: usize>(
     u: &mut Velocities,
-    link: &LinkPart,
-    (points, traits): (&mut Points<'_>, Traits),
+    row: &LinkRow,
+    (points, traits): (&mut [PointRow; N], Traits),
     (sweep, shift): (&Sweep, &Shift),
 ) {
-    let line = Line::new(u, link);
+    let line = Line::new(u, row);
     if traits.bounces {
-        record_bounces(&line, link, points, (sweep, shift));
+        record_bounces(&line, row, points, (sweep, shift));
     }
     if sweep.pass == Pass::Biased {
-        solve_points(line, link, ((points, traits), shift), Demand::biased);
+        solve_points(line, row, ((points, traits), shift), (row.soft_press_mass, Demand::biased));
     } else {
-        solve_points(line, link, ((points, traits), shift), Demand::relaxed);
+        solve_points(line, row, ((points, traits), shift), (row.press_mass, Demand::relaxed));
     }
 }
 
@@ -544,17 +596,17 @@ fn solve_normals(
 ///
 /// Symplectic Euler conserves `H = v^2/2 - a s + a h v/2` in free flight along the normal (acceleration a, height
 /// s); the point leaves with `e^2 H`: apexes then keep their height whatever the substep.
-fn record_bounces(
+fn record_bounces<const N: usize>(
     line: &Line<'_>,
-    link: &LinkPart,
-    points: &mut Points<'_>,
+    row: &LinkRow,
+    points: &mut [PointRow; N],
     (sweep, shift): (&Sweep, &Shift),
 ) {
     let (zero, half) = (Lane::ZERO, Lane::splat(0.5));
     // The biased sweep sees the velocity with this substep's push (push = a h), but heights before its motion.
     let biased = sweep.pass == Pass::Biased;
-    let early = if biased { link.push } else { zero };
-    let e2 = link.restitution * link.restitution;
+    let early = if biased { row.push } else { zero };
+    let e2 = row.restitution * row.restitution;
     for point in points.iter_mut() {
         let rate = line.rate(point.normal_a, shift.apply(point.normal_b, shift.normal)) + point.surface;
         let bias = if biased { point.bias } else { Demand::relaxed(point).bias };
@@ -562,31 +614,31 @@ fn record_bounces(
         let presses = (point.mass * (rate + bias)).less(point.impulse).and(point.mass.greater(zero));
         let unset = point.bounce.less(Lane::splat(f32::MIN_POSITIVE));
         let before = rate - early;
-        let energy = half * before * (before + link.push) - height_energy(sweep, link, point);
-        let record = fast.and(presses).and(unset).and(link.restitution.greater(zero));
+        let energy = half * before * (before + row.push) - height_energy(sweep, row, point);
+        let record = fast.and(presses).and(unset).and(row.restitution.greater(zero));
         point.bounce = record.select((e2 * energy).finite(), point.bounce);
     }
 }
 
 /// `a s` of a point that is apart, m2/s2.
 #[inline(always)]
-fn height_energy(sweep: &Sweep, link: &LinkPart, point: &PointPart) -> Lane {
-    link.push * Lane::splat(sweep.bias.rate) * point.separation.greatest(Lane::ZERO)
+fn height_energy(sweep: &Sweep, row: &LinkRow, point: &PointRow) -> Lane {
+    row.push * Lane::splat(sweep.bias.rate) * point.separation.greatest(Lane::ZERO)
 }
 
 /// Gives the bouncing points their speed: the root of `v^2/2 + a h v/2 = E + a s`.
-fn bounce(
+fn bounce<const N: usize>(
     u: &mut Velocities,
-    link: &LinkPart,
-    (points, traits): (&mut Points<'_>, Traits),
+    row: &LinkRow,
+    (points, traits): (&mut [PointRow; N], Traits),
     (sweep, shift): (&Sweep, &Shift),
 ) {
     let (zero, half, two) = (Lane::ZERO, Lane::splat(0.5), Lane::splat(2.0));
-    let half_push = half * link.push;
+    let half_push = half * row.push;
     for point in points.iter_mut() {
-        let energy = (point.bounce + height_energy(sweep, link, point)).greatest(zero);
+        let energy = (point.bounce + height_energy(sweep, row, point)).greatest(zero);
         let speed = (half_push * half_push + two * energy).sqrt() - half_push;
         point.bounce = point.bounce.greater(zero).keep(speed.finite());
     }
-    solve_points(Line::new(u, link), link, ((points, traits), shift), Demand::bouncing);
+    solve_points(Line::new(u, row), row, ((points, traits), shift), (row.press_mass, Demand::bouncing));
 }

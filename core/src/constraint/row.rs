@@ -13,7 +13,7 @@
 //! and a row holds no inertia. `ma` comes with the seat. Body A of a link is always dynamic; an immovable B has
 //! `jb = 0`, a scratch seat of zeros, and its surface's speed in the row.
 
-use crate::lanes::{LANES, Lane, LaneVec, PARTS};
+use crate::lanes::{LANES, Lane, LaneVec};
 use bytemuck::{Pod, Zeroable};
 
 /// Eight links and what their points share.
@@ -34,17 +34,11 @@ pub(crate) struct LinkRow {
     pub uneven: u32,
     /// 1 when the surface of an immovable body of a lane moves.
     pub surfaces: u32,
-    /// Bit for each part of which the next biased sweep has to apply `turn`.
+    /// 1 when the next biased sweep has to apply `turn`.
     pub turns: u32,
     /// Zero.
     pub reserved: [u32; 2],
-    pub parts: [LinkPart; PARTS],
-}
-
-/// The links of one instruction's lanes. What every sweep reads comes first.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(crate) struct LinkPart {
+    // What every sweep reads comes first.
     pub normal: LaneVec,
     pub tangent: LaneVec,
     /// Jacobians of the first tangent.
@@ -58,6 +52,11 @@ pub(crate) struct LinkPart {
     pub twist_b: LaneVec,
     /// Number of points.
     pub count: Lane,
+    /// What a common impulse of all points changes of the sum of their rates, 1/kg.
+    pub inertia: Lane,
+    /// Its inverse, and with the springs of overlaps; 0 for one point.
+    pub press_mass: Lane,
+    pub soft_press_mass: Lane,
     /// Step of both tangents: 1 / greatest eigenvalue of their 2x2 block.
     pub friction_mass: Lane,
     pub twist_mass: Lane,
@@ -89,17 +88,10 @@ pub(crate) struct LinkPart {
     pub surface: LaneVec,
 }
 
-/// One point of each of eight links.
+/// One point of each of eight links. All 0 in a lane without this point.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(crate) struct PointRow {
-    pub parts: [PointPart; PARTS],
-}
-
-/// One point of the links of one instruction's lanes. All 0 in a lane without this point.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(crate) struct PointPart {
     /// Jacobians of the normal.
     pub normal_a: LaneVec,
     pub normal_b: LaneVec,
@@ -133,11 +125,11 @@ pub(crate) struct Bias {
     pub push_speed: f32,
 }
 
-impl PointPart {
+impl PointRow {
     /// Brings what the sweeps want of the point to its separation. Apart, it may close the gap in this substep, but
     /// not more. Overlapping, a spring pushes.
     #[inline(always)]
-    pub fn aim(&mut self, link: &LinkPart, bias: Bias) {
+    pub fn aim(&mut self, link: &LinkRow, bias: Bias) {
         let s = self.separation;
         let apart = s.greater(Lane::ZERO);
         let push = (s * link.bias_rate).greatest(Lane::splat(-bias.push_speed));

@@ -6,7 +6,7 @@ use crate::body::{
 use crate::config::SECTOR_MAX;
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
-use crate::lanes::{LANES, WIDTH};
+use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::Counts;
 use crate::pipeline::integration;
@@ -73,10 +73,8 @@ fn store_impulses<E: Executor>(
 }
 
 fn store(row: &mut ContactRow, (link, points): (&LinkRow, &[PointRow]), sign: f32, lane: usize) {
-    let (part, lane) = (lane / WIDTH, lane % WIDTH);
-    let link = &link.parts[part];
     for (impulse, point) in row.impulses.iter_mut().zip(points).take(row.tag.points()) {
-        *impulse = point.parts[part].impulse.get(lane);
+        *impulse = point.impulse.get(lane);
     }
     let (n, t) = (link.normal.get(lane), link.tangent.get(lane));
     let s = n.cross(t);

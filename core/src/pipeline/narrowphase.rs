@@ -290,7 +290,7 @@ impl Task<'_> {
         };
         let later =
             olds.iter().find(|old| old.row.tag.child() > manifold.child).map_or(self.next, |old| old.place);
-        *birth = Birth { row, before: self.result.first + later as u32, memo, touch };
+        *birth = Birth { row, memo, touch, before: self.result.first + later as u32, reserved: [0; 7] };
         self.result.born += 1;
     }
 }

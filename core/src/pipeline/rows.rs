@@ -4,16 +4,16 @@
 //! [`Lane`]. An empty lane reads zeros, and every divisor is guarded, so its row is zero.
 
 use crate::cells::IMMOVABLE;
-use crate::constraint::contact::{free_axes, root_times};
-use crate::constraint::row::{LinkPart, LinkRow, PointPart, PointRow};
-use crate::lanes::{LANES, Lane, LaneVec, Mask, PARTS, WIDTH, Words, transpose};
+use crate::constraint::contact::{free_axes, press_mass, root_times};
+use crate::constraint::row::{LinkRow, PointRow};
+use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, transpose};
 use crate::math::{Vec3, max};
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::chord;
 use crate::pipeline::layout::EMPTY;
 use crate::pipeline::solver::take;
-use crate::state::Active;
-use bytemuck::{Zeroable, cast};
+use crate::state::{Active, Memo};
+use bytemuck::{Pod, Zeroable, cast_ref};
 
 /// Sliding, squared, from which on the first tangent lies along it, m2/s2.
 const SLIDING_MIN: f32 = 1.0e-4;
@@ -37,40 +37,38 @@ pub(crate) fn fill(
     row.points = most as u32;
     row.uneven = u32::from(counts.iter().any(|&count| count != 0 && count != most));
     let own = take(points, most);
-    for index in 0..PARTS {
-        let lanes = index * WIDTH..(index + 1) * WIDTH;
-        let sides = Sides::gather(scene, &contacts[lanes]);
-        row.bounces |= u32::from(sides.touch[3].greater(Lane::ZERO).any());
-        row.locked |= u32::from(sides.are_locked());
-        row.surfaces |= u32::from(sides.surfaces != 0);
-        fill_part(scene, &sides, &mut row.parts[index], (own, index));
-    }
+    let sides = Sides::gather(scene, contacts);
+    row.bounces = u32::from(sides.touch[3].greater(Lane::ZERO).any());
+    row.locked = u32::from(sides.are_locked());
+    row.surfaces = u32::from(sides.surfaces != 0);
+    fill_points(scene, &sides, row, own);
 }
 
-fn fill_part(
-    scene: &Scene<'_>,
-    sides: &Sides,
-    link: &mut LinkPart,
-    (points, index): (&mut [PointRow], usize),
-) {
+fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mut [PointRow]) {
     let found = sides.place(scene, link);
-    let mut patch =
-        Patch { sum: LaneVec::ZERO, sum_b: LaneVec::ZERO, places: [LaneVec::ZERO; 4], points: points.len() };
+    let mut patch = Patch { points: points.len(), ..Patch::zeroed() };
+    let mut soft = Lane::ZERO;
     for (i, point) in points.iter_mut().enumerate() {
-        let point = &mut point.parts[index];
-        *point = PointPart::zeroed();
+        *point = PointRow::zeroed();
         let (arm_a, arm_b) = sides.write_point(&found, point, i);
         patch.places[i] = arm_a;
         patch.sum = patch.sum + arm_a;
         patch.sum_b = patch.sum_b + arm_b;
         point.aim(link, scene.bias);
+        patch.normal_a = patch.normal_a + point.normal_a;
+        patch.normal_b = patch.normal_b + point.normal_b;
+        soft = soft + point.soft;
     }
+    let (ja, jb) = (patch.normal_a, patch.normal_b);
+    link.inertia = link.count * link.count * found.yields + ja.dot(ja) + jb.dot(jb);
+    link.press_mass = press_mass(link.count, link.inertia);
+    link.soft_press_mass = press_mass(link.count, link.inertia + soft);
     sides.write_friction(&found, link, &patch);
-    if sides.touch[3].greater(Lane::ZERO).any() {
+    if link.bounces != 0 {
         sides.write_push(scene, link);
     }
     if sides.surfaces != 0 {
-        sides.write_surfaces(scene, link, (points, index, &patch));
+        sides.write_surfaces(scene, link, (points, &patch));
     }
 }
 
@@ -85,11 +83,9 @@ struct Body {
 }
 
 impl Body {
-    fn of(bodies: &[Option<&Active>; WIDTH]) -> Self {
-        let none = Active::zeroed();
-        let rows: [[Words; 3]; WIDTH] = core::array::from_fn(|i| cast(*bodies[i].unwrap_or(&none)));
-        let u = transpose(rows.map(|row| row[0]));
-        let r = transpose(rows.map(|row| row[1]));
+    fn of(bodies: [&Active; LANES]) -> Self {
+        let u = transpose(bodies.map(|body| words::<_, 3>(body)[0]));
+        let r = transpose(bodies.map(|body| words::<_, 3>(body)[1]));
         Self {
             linear: LaneVec::new(u[0], u[1], u[2]),
             angular: LaneVec::new(u[4], u[5], u[6]),
@@ -106,9 +102,9 @@ impl Body {
 
 /// Everything that is read of the contacts of a part.
 struct Sides {
-    contacts: [u32; WIDTH],
+    contacts: [u32; LANES],
     /// Points of each.
-    counts: [u8; WIDTH],
+    counts: [u8; LANES],
     a: Body,
     b: Body,
     /// Frames of the shapes: position from the center of the body, and rotation.
@@ -137,7 +133,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(frames: [Words; WIDTH]) -> Self {
+    fn of(frames: [Words; LANES]) -> Self {
         let [px, py, pz, _, x, y, z, w] = transpose(frames);
         let (one, two) = (Lane::splat(1.0), Lane::splat(2.0));
         let (x2, y2, z2) = (two * x, two * y, two * z);
@@ -177,26 +173,33 @@ struct Placed {
 }
 
 /// Arms of the points from the center of A.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
 struct Patch {
     sum: LaneVec,
     /// The same from the center of B.
     sum_b: LaneVec,
+    /// Sums of the normals' jacobians.
+    normal_a: LaneVec,
+    normal_b: LaneVec,
     places: [LaneVec; 4],
     /// Most points of a lane of the row.
     points: usize,
 }
 
 impl Sides {
-    fn gather(scene: &Scene<'_>, contacts: &[u32]) -> Self {
-        let mut a: [Option<&Active>; WIDTH] = [None; WIDTH];
-        let mut b = a;
-        let mut moving = [Active::zeroed(); WIDTH];
-        let (mut frames_a, mut frames_b) = ([Words::ZERO; WIDTH], [Words::ZERO; WIDTH]);
-        let (mut stances_a, mut stances_b) = ([Words::ZERO; WIDTH], [Words::ZERO; WIDTH]);
-        let mut memos = [[Words::ZERO; WIDTH]; 4];
-        let (mut touches, mut stored) = ([Words::ZERO; WIDTH], [Words::ZERO; WIDTH]);
+    fn gather(scene: &Scene<'_>, contacts: &[u32; LANES]) -> Self {
+        let none = Active::zeroed();
+        let mut a = [&none; LANES];
+        let mut b = [&none; LANES];
+        let mut moving = [Active::zeroed(); LANES];
+        let (mut frames_a, mut frames_b) = ([Words::ZERO; LANES], [Words::ZERO; LANES]);
+        let (mut stances_a, mut stances_b) = ([Words::ZERO; LANES], [Words::ZERO; LANES]);
+        let no_memo = Memo::zeroed();
+        let mut memos = [&no_memo; LANES];
+        let (mut touches, mut stored) = ([Words::ZERO; LANES], [Words::ZERO; LANES]);
         let mut sign = Lane::ZERO;
-        let mut counts = [0; WIDTH];
+        let mut counts = [0; LANES];
         let mut surfaces = 0;
         for (lane, &contact) in contacts.iter().enumerate() {
             if contact == EMPTY {
@@ -205,9 +208,9 @@ impl Sides {
             let contact = contact as usize;
             let (touch, link, row) =
                 (&scene.touches[contact], &scene.links[contact], &scene.contacts[contact]);
-            a[lane] = Some(&scene.active[link.a as usize]);
+            a[lane] = &scene.active[link.a as usize];
             if link.b != IMMOVABLE {
-                b[lane] = Some(&scene.active[link.b as usize]);
+                b[lane] = &scene.active[link.b as usize];
             } else if let Some(row) = moving_immovable(scene, touch.shapes[1]) {
                 moving[lane] = row;
                 surfaces |= 1 << lane;
@@ -217,30 +220,26 @@ impl Sides {
             let stances = if touch.settled > 0.0 { scene.stances } else { scene.frames };
             stances_a[lane] = stances[touch.shapes[0] as usize];
             stances_b[lane] = stances[touch.shapes[1] as usize];
-            let memo: [Words; 4] = cast(scene.memos[contact]);
-            for (words, own) in memos.iter_mut().zip(memo) {
-                words[lane] = own;
-            }
-            touches[lane] = cast(*touch);
-            let (i, f) = (row.impulses, row.friction);
-            stored[lane] = Words::new([i[0], i[1], i[2], i[3], f.x, f.y, f.z, row.twist]);
+            memos[lane] = &scene.memos[contact];
+            touches[lane] = words::<_, 1>(touch)[0];
+            stored[lane] = words::<_, 2>(row)[1];
             sign.set(lane, touch.sign());
             counts[lane] = row.tag.points() as u8;
         }
         for (lane, row) in moving.iter().enumerate() {
             if surfaces >> lane & 1 != 0 {
-                b[lane] = Some(row);
+                b[lane] = row;
             }
         }
         let mut memo = [Lane::ZERO; 32];
-        for (words, own) in memo.chunks_exact_mut(8).zip(memos) {
-            words.copy_from_slice(&transpose(own));
+        for (k, own) in memo.chunks_exact_mut(8).enumerate() {
+            own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
         }
         Self {
-            contacts: core::array::from_fn(|lane| contacts[lane]),
+            contacts: *contacts,
             counts,
-            a: Body::of(&a),
-            b: Body::of(&b),
+            a: Body::of(a),
+            b: Body::of(b),
             frame_a: Frame::of(frames_a),
             frame_b: Frame::of(frames_b),
             stance_a: Frame::of(stances_a),
@@ -258,7 +257,7 @@ impl Sides {
     }
 
     /// Writes what does not depend on the points.
-    fn place(&self, scene: &Scene<'_>, row: &mut LinkPart) -> Placed {
+    fn place(&self, scene: &Scene<'_>, row: &mut LinkRow) -> Placed {
         let zero = Lane::ZERO;
         let [_, _, friction, restitution, x, y, z, settled] = self.touch;
         let normal = self.stance_a.rotate(self.memo_vector(0));
@@ -302,7 +301,7 @@ impl Sides {
     }
 
     /// Writes point `i`; returns its arms, 0 where there is none.
-    fn write_point(&self, found: &Placed, point: &mut PointPart, i: usize) -> (LaneVec, LaneVec) {
+    fn write_point(&self, found: &Placed, point: &mut PointRow, i: usize) -> (LaneVec, LaneVec) {
         let n = found.normal;
         let live = found.count.greater(Lane::splat(i as f32));
         let on_a = self.frame_a.rotate(self.memo_vector(4 + 3 * i)) + self.frame_a.position;
@@ -328,7 +327,7 @@ impl Sides {
     }
 
     /// One patch for the manifold: two tangents and the twist at the points' middle.
-    fn write_friction(&self, found: &Placed, row: &mut LinkPart, patch: &Patch) {
+    fn write_friction(&self, found: &Placed, row: &mut LinkRow, patch: &Patch) {
         let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
         let live = found.count.greater(zero);
         let share = one / live.select(found.count, one);
@@ -366,7 +365,9 @@ impl Sides {
         row.second_impulse = stored.dot(s);
         row.twist_impulse = twist;
         let reach = arm_b.dot(arm_b).greatest(arm_a.dot(arm_a));
-        row.slide_min = (reach * Lane::splat(SLIDE_SHARE)).greatest(Lane::splat(f32::MIN_POSITIVE));
+        let slide_min = (reach * Lane::splat(SLIDE_SHARE)).greatest(Lane::splat(f32::MIN_POSITIVE));
+        // The arms of a settled contact stay.
+        row.slide_min = found.settled.select(Lane::splat(f32::MAX), slide_min);
     }
 
     /// The first tangent lies along the sliding velocity, so that isotropy does not depend on the axes; at rest
@@ -392,7 +393,7 @@ impl Sides {
     }
 
     /// Relative velocity along the normal that gravity and forces give in a substep.
-    fn write_push(&self, scene: &Scene<'_>, row: &mut LinkPart) {
+    fn write_push(&self, scene: &Scene<'_>, row: &mut LinkRow) {
         let n = row.normal;
         for (lane, &contact) in self.contacts.iter().enumerate() {
             if contact != EMPTY {
@@ -408,8 +409,8 @@ impl Sides {
     fn write_surfaces(
         &self,
         scene: &Scene<'_>,
-        row: &mut LinkPart,
-        (points, index, patch): (&mut [PointRow], usize, &Patch),
+        row: &mut LinkRow,
+        (points, patch): (&mut [PointRow], &Patch),
     ) {
         for (lane, &contact) in self.contacts.iter().enumerate() {
             if self.surfaces >> lane & 1 == 0 {
@@ -419,7 +420,7 @@ impl Sides {
             let (n, t) = (row.normal.get(lane), row.tangent.get(lane));
             let count = usize::from(self.counts[lane]);
             for (point, place) in points.iter_mut().zip(&patch.places).take(count) {
-                point.parts[index].surface.set(lane, n.dot(surface.velocity(place.get(lane))));
+                point.surface.set(lane, n.dot(surface.velocity(place.get(lane))));
             }
             let middle = patch.sum.get(lane) / max(count as f32, 1.0);
             let velocity = surface.velocity(middle);
@@ -427,6 +428,12 @@ impl Sides {
             row.surface.set(lane, Vec3::new(t.dot(velocity), n.cross(t).dot(velocity), spin));
         }
     }
+}
+
+/// A row as runs of eight words.
+#[inline(always)]
+fn words<T: Pod, const N: usize>(row: &T) -> &[Words; N] {
+    cast_ref(row)
 }
 
 /// The velocities of an immovable body that moves, as a row; `None` for one that stands still.
