@@ -397,6 +397,8 @@ region! {
         is_moved: u8 = c.shapes as usize,
         /// Pairs found for moved shapes, twice the capacity so that the best can be chosen.
         found: u64 = 2 * c.pairs as usize,
+        /// Boxes of the shapes over the way of the step, from the middle of the body's sector: what may touch.
+        reaches: Aabb = c.shapes as usize,
         /// Frames of the shapes in world axes, from their bodies' centers: `[position, 0, rotation]`.
         frames: Words = c.shapes as usize,
         /// The same with the bodies turned as in their stances.

@@ -6,9 +6,10 @@
 //! |---|---|---|---|---|
 //! | sphere | centers | | | |
 //! | capsule | point and segment | two segments | | |
-//! | box | clamp | as a hull | 15 axes | |
+//! | box | clamp | line by line | 15 axes | |
 //! | hull | closest points | closest points, clip | clip | clip |
 
+mod box_capsule;
 mod boxes;
 pub mod round;
 #[cfg(test)]
@@ -70,6 +71,9 @@ fn ordered(a: &Solid<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32) -> Option
         }
         Solid::Box { half_extents } => match *b {
             Solid::Sphere { radius } => round::box_sphere(half_extents, b_in_a.position, radius, distance),
+            Solid::Capsule { radius, half_height } => {
+                box_capsule::collide(half_extents, &Segment::new(half_height, radius, b_in_a), distance)
+            }
             Solid::Box { half_extents: other } => boxes::collide([half_extents, other], b_in_a, distance),
             _ => with_hull(&BoxHull::new(half_extents).hull(), b, b_in_a, distance),
         },

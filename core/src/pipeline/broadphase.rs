@@ -12,7 +12,7 @@ use crate::executor::{Executor, Stage};
 use crate::lanes::Words;
 use crate::math::{Aabb, Pose, Rotation, Vec3};
 use crate::pipeline::meeting::frame_words;
-use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
 use crate::shape::{BOX_STALE, ShapeRow};
@@ -56,6 +56,7 @@ fn update_boxes<E: Executor>(
         is_moved: &'a mut [u8],
         frames: &'a mut [Words],
         stances: &'a mut [Words],
+        reaches: &'a mut [Aabb],
     }
     let high = state.header[0].shapes.high as usize;
     let share = chunk(high, UPDATE_SHAPES);
@@ -65,13 +66,14 @@ fn update_boxes<E: Executor>(
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let parts = state.shapes[..high].chunks_mut(share).zip(scratch.is_moved[..high].chunks_mut(share));
     let frames = scratch.frames[..high].chunks_mut(share).zip(scratch.stances[..high].chunks_mut(share));
-    for (i, ((shapes, is_moved), (frames, stances))) in parts.zip(frames).enumerate() {
-        push(&mut tasks, Task { first: (i * share) as u32, shapes, is_moved, frames, stances });
+    let parts = parts.zip(frames.zip(scratch.reaches[..high].chunks_mut(share)));
+    for (i, ((shapes, is_moved), ((frames, stances), reaches))) in parts.enumerate() {
+        push(&mut tasks, Task { first: (i * share) as u32, shapes, is_moved, frames, stances, reaches });
     }
     crew.run(Stage::Broadphase, &mut tasks, |task| {
-        let frames = task.frames.iter_mut().zip(task.stances.iter_mut());
+        let frames = task.frames.iter_mut().zip(task.stances.iter_mut()).zip(task.reaches.iter_mut());
         let slots = task.shapes.iter_mut().zip(task.is_moved.iter_mut()).zip(frames);
-        for (i, ((shape, moved), (frame, stance))) in slots.enumerate() {
+        for (i, ((shape, moved), ((frame, stance), reach))) in slots.enumerate() {
             *moved = 0;
             if is_used(used, task.first + i as u32) {
                 let (body, motion) = (&bodies[shape.body as usize], &motions[shape.body as usize]);
@@ -83,7 +85,7 @@ fn update_boxes<E: Executor>(
                     }
                     _ => *frame,
                 };
-                *moved = u8::from(update_box(shape, (body, motion, &pose), assets, dt) || all);
+                *moved = u8::from(update_box(shape, (body, motion, &pose), (assets, dt), reach) || all);
             }
         }
     });
@@ -94,12 +96,13 @@ fn update_boxes<E: Executor>(
 fn update_box(
     shape: &mut ShapeRow,
     (body, motion, local): (&BodyRow, &Motion, &Pose),
-    assets: &AssetTables<'_>,
-    dt: f32,
+    (assets, dt): (&AssetTables<'_>, f32),
+    reach: &mut Aabb,
 ) -> bool {
     let stale = shape.flags & BOX_STALE != 0 || body.has(CHANGED_SECTOR);
     let is_static = body.kind() == BodyKind::Static;
     if is_static && !stale {
+        *reach = shape.fat_box;
         return false;
     }
     let pose = Pose::new(local.position + motion.center.offset, local.rotation);
@@ -107,7 +110,8 @@ fn update_box(
     // The box reaches as far as contacts are looked for: over the coming step's path and the speculative distance.
     let path = if is_static { Vec3::ZERO } else { motion.linear * dt };
     let swept = tight.union(&Aabb { min: tight.min + path, max: tight.max + path });
-    if !stale && shape.fat_box.contains(&swept.grown(SPECULATIVE_DISTANCE)) {
+    *reach = swept.grown(SPECULATIVE_DISTANCE);
+    if !stale && shape.fat_box.contains(reach) {
         return false;
     }
     shape.fat_box = swept.grown(ShapeRow::margin(!is_static));
@@ -275,33 +279,63 @@ impl Search<'_> {
         self.trees.iter().for_each(|tree| tree.query(&region, &mut found));
     }
 
-    /// Writes all keys, in no order: count, scan, fill. `None` when they do not fit.
+    /// Writes all keys, in no order. `None` when they do not fit.
+    ///
+    /// Every task has a part of the room; where one's is too small, its count says so, and the room is cut again by
+    /// the counts.
     fn all<E: Executor>(&self, moved: &[u32], keys: &mut [u64], crew: &mut Crew<'_, E>) -> Option<usize> {
         let share = chunk(moved.len(), SEARCH_SHAPES);
-        let mut counts: Tasks<(&[u32], usize)> = moved.chunks(share).map(|shapes| (shapes, 0)).collect();
-        crew.run(Stage::Broadphase, &mut counts, |(shapes, count)| {
-            shapes.iter().for_each(|&slot| self.of(slot, |_| *count += 1));
-        });
-        let total: usize = counts.iter().map(|task| task.1).sum();
+        let even = keys.len() / moved.len().div_ceil(share).max(1);
+        let mut counts = [even; TASKS_MAX];
+        let fits = self.search(moved, (keys, &mut counts), crew);
+        let counts = &mut counts[..moved.len().div_ceil(share)];
+        let total: usize = counts.iter().sum();
         if total > keys.len() {
             return None;
         }
-        let mut rest = keys;
-        let mut fills: Tasks<(&[u32], &mut [u64])> = Tasks::new();
-        for (shapes, count) in &counts {
-            push(&mut fills, (*shapes, crate::pipeline::solver::take(&mut rest, *count)));
+        if fits {
+            let mut end = 0;
+            for (task, &count) in counts.iter().enumerate() {
+                keys.copy_within(task * even..task * even + count, end);
+                end += count;
+            }
+        } else {
+            let mut places = [0; TASKS_MAX];
+            places[..counts.len()].copy_from_slice(counts);
+            self.search(moved, (keys, &mut places), crew);
         }
-        crew.run(Stage::Broadphase, &mut fills, |(shapes, keys)| {
-            let mut places = keys.iter_mut();
+        Some(total)
+    }
+
+    /// Each task writes its keys to its part of the room, `parts` long, as far as they fit; `parts` become the numbers
+    /// of keys. True when all fitted.
+    fn search<E: Executor>(
+        &self,
+        moved: &[u32],
+        (keys, parts): (&mut [u64], &mut [usize; TASKS_MAX]),
+        crew: &mut Crew<'_, E>,
+    ) -> bool {
+        let share = chunk(moved.len(), SEARCH_SHAPES);
+        let mut rest = keys;
+        let mut tasks: Tasks<(&[u32], &mut [u64], usize)> = Tasks::new();
+        for (shapes, &part) in moved.chunks(share).zip(&*parts) {
+            push(&mut tasks, (shapes, crate::pipeline::solver::take(&mut rest, part), 0));
+        }
+        crew.run(Stage::Broadphase, &mut tasks, |(shapes, keys, count)| {
             for &slot in *shapes {
                 self.of(slot, |key| {
-                    if let Some(place) = places.next() {
+                    if let Some(place) = keys.get_mut(*count) {
                         *place = key;
                     }
+                    *count += 1;
                 });
             }
         });
-        Some(total)
+        let fits = tasks.iter().all(|(_, keys, count)| *count <= keys.len());
+        for (part, (_, _, count)) in parts.iter_mut().zip(&tasks) {
+            *part = *count;
+        }
+        fits
     }
 
     /// Writes the best keys, as they come, when there are too many.

@@ -8,11 +8,11 @@
 //! The base is rounded so that it takes 20 bytes. It is where points are *looked for*; where they are, and how far
 //! apart, is always computed from the exact poses.
 
-use crate::body::{BodyRow, Motion};
+use crate::body::{BodyRow, Motion, Position};
 use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::lanes::Words;
-use crate::math::{Pose, Rotation, Vec3, length};
+use crate::math::{Aabb, Pose, Rotation, Vec3, length};
 use crate::pipeline::solid;
 use crate::shape::{GEOMETRY_BOX, GEOMETRY_HULL, ShapeRow};
 use crate::state::{AssetTables, ContactRow, Memo};
@@ -44,6 +44,23 @@ pub(crate) struct Scene<'a> {
     pub bodies: &'a [BodyRow],
     pub motions: &'a [Motion],
     pub frames: &'a [Words],
+    pub reaches: &'a [Aabb],
+}
+
+impl Scene<'_> {
+    /// True when the boxes of two shapes over the way of the step overlap.
+    #[inline]
+    pub fn may_touch(&self, a: u32, b: u32) -> bool {
+        let sector = |slot: u32| self.motions[self.shapes[slot as usize].body as usize].center.sector;
+        let (ra, rb) = (&self.reaches[a as usize], &self.reaches[b as usize]);
+        let (sa, sb) = (sector(a), sector(b));
+        if sa == sb {
+            return ra.overlaps(rb);
+        }
+        let middle = |sector| Position { sector, offset: Vec3::ZERO };
+        let shift = middle(sb).minus(middle(sa));
+        ra.overlaps(&Aabb { min: rb.min + shift, max: rb.max + shift })
+    }
 }
 
 /// The relative pose of two shapes, and how far apart points are looked for.
@@ -79,11 +96,9 @@ impl Meeting {
     }
 
     /// Points at the poses now. Fast bodies are stopped at the surface, not behind it: look as far as they come.
-    pub fn collide(&self, solids: (&Solid<'_>, &Solid<'_>)) -> Manifolds {
-        let mut found = Manifolds::new();
+    pub fn collide(&self, solids: (&Solid<'_>, &Solid<'_>), found: &mut Manifolds) {
         let pose = Pose::new(self.b_in_a.position, self.b_in_a.rotation.normalized());
-        collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE + self.way, &mut found);
-        found
+        collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE + self.way, found);
     }
 
     /// True when the pose is still within the drift of a settled contact with this base.
@@ -104,10 +119,8 @@ impl Meeting {
 }
 
 /// Points of a settled contact: those found at its base, a little farther apart than they may come to touch.
-pub(crate) fn collide_at(base: &Pose, solids: (&Solid<'_>, &Solid<'_>)) -> Manifolds {
-    let mut found = Manifolds::new();
-    collide::collide(solids.0, solids.1, base, SPECULATIVE_DISTANCE + DRIFT_MAX, &mut found);
-    found
+pub(crate) fn collide_at(base: &Pose, solids: (&Solid<'_>, &Solid<'_>), found: &mut Manifolds) {
+    collide::collide(solids.0, solids.1, base, SPECULATIVE_DISTANCE + DRIFT_MAX, found);
 }
 
 /// How far a polytope reaches from the origin of its frame.
@@ -160,7 +173,8 @@ pub(crate) fn memo_again(
     assets: &AssetTables<'_>,
 ) -> Option<Memo> {
     let base = unpack(&row.memory)?;
-    let found = collide_at(&base, (&solid(shapes.0, assets), &solid(shapes.1, assets)));
+    let mut found = Manifolds::new();
+    collide_at(&base, (&solid(shapes.0, assets), &solid(shapes.1, assets)), &mut found);
     let manifold = found.first()?;
     (manifold.points.len() == row.tag.points()).then(|| memo(manifold, &base, exchanged, true))
 }

@@ -2,6 +2,7 @@
 
 use crate::body::{BodyRow, Motion};
 use crate::collide::vector64::{Vector, cross, dot, to_f64, to_vec3};
+use crate::config::{LINEAR_SPEED_MAX, TURN_MAX};
 use crate::lanes::Words;
 use crate::math::{Rotation, Vec3, length};
 use crate::pipeline::integration::{self, TURN_STEP};
@@ -113,16 +114,19 @@ impl Mover {
 
     /// Moves the body by its velocity for a substep, and notes the motion in the seat.
     pub fn advance(&mut self, seat: &mut Seat, substep: f32) {
-        self.cap(seat, substep);
-        let u = seat.velocity.to_array();
-        let v = Vec3::new(u[0], u[1], u[2]);
-        let whitened = Vec3::new(u[4], u[5], u[6]);
+        let (mut v, mut whitened) = parts(&seat.velocity);
+        let mut turn = integration::root_times(&self.root, whitened) * substep;
+        // Squares of finite numbers may be infinite: then the speed is capped.
+        if !(v.dot(v) <= LINEAR_SPEED_MAX * LINEAR_SPEED_MAX && turn.dot(turn) <= TURN_MAX * TURN_MAX) {
+            self.cap(seat, (v, turn));
+            (v, whitened) = parts(&seat.velocity);
+            turn = integration::root_times(&self.root, whitened) * substep;
+        }
         let moved = v * substep;
         self.displacement += moved;
         let turn = if self.spin == SPIN_TOP {
             self.advance_top(whitened, substep)
         } else {
-            let turn = integration::root_times(&self.root, whitened) * substep;
             self.rotation = integration::turned(self.rotation, turn);
             whitened * substep
         };
@@ -167,22 +171,24 @@ impl Mover {
     }
 
     /// Caps speed and spin at the documented maxima.
-    fn cap(&mut self, seat: &mut Seat, substep: f32) {
-        let u = seat.velocity.to_array();
-        let speed = length(Vec3::new(u[0], u[1], u[2]));
-        let spin = length(integration::root_times(&self.root, Vec3::new(u[4], u[5], u[6]))) * substep;
-        let linear = if speed > crate::config::LINEAR_SPEED_MAX {
-            crate::config::LINEAR_SPEED_MAX / speed
-        } else {
-            1.0
-        };
-        let angular = if spin > crate::config::TURN_MAX { crate::config::TURN_MAX / spin } else { 1.0 };
+    #[cold]
+    fn cap(&mut self, seat: &mut Seat, (v, turn): (Vec3, Vec3)) {
+        let (speed, spin) = (length(v), length(turn));
+        let linear = if speed > LINEAR_SPEED_MAX { LINEAR_SPEED_MAX / speed } else { 1.0 };
+        let angular = if spin > TURN_MAX { TURN_MAX / spin } else { 1.0 };
         if linear < 1.0 || angular < 1.0 {
             let (l, a) = (linear, angular);
             seat.velocity = seat.velocity * Words::new([l, l, l, 1.0, a, a, a, 1.0]);
             self.capped = 1;
         }
     }
+}
+
+/// Linear and whitened angular velocity of a seat.
+#[inline(always)]
+fn parts(velocity: &Words) -> (Vec3, Vec3) {
+    let u = velocity.to_array();
+    (Vec3::new(u[0], u[1], u[2]), Vec3::new(u[4], u[5], u[6]))
 }
 
 /// A rotation in double precision. Its quaternion may have any length.

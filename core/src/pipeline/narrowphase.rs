@@ -4,7 +4,7 @@
 //! to date where they are; those that begin are written aside and those that end are marked, for `contacts.rs`.
 //! Impulses are carried over by feature.
 
-use crate::collide::{MANIFOLDS_MAX, Manifold, POINTS_MAX};
+use crate::collide::{MANIFOLDS_MAX, Manifold, Manifolds, POINTS_MAX};
 use crate::executor::{Executor, Stage};
 use crate::math::{Pose, max, sqrt};
 use crate::pipeline::contacts::{self, Change, Yield};
@@ -49,6 +49,7 @@ fn collide_pairs<E: Executor>(
             bodies: state.bodies,
             motions: state.motions,
             frames: scratch.frames,
+            reaches: scratch.reaches,
         },
         assets,
         dt: header.settings.read().map_or(0.0, |settings| settings.dt),
@@ -84,7 +85,7 @@ fn collide_pairs<E: Executor>(
         first_birth += (own.len() + more) as u32;
         push(&mut tasks, task);
     }
-    crew.run(Stage::Narrowphase, &mut tasks, |task| task.run(&look));
+    crew.run(Stage::Narrowphase, &mut tasks, |task| task.run(&look, &mut Room::default()));
     tasks.iter().map(|task| task.result).collect()
 }
 
@@ -142,6 +143,13 @@ struct Old {
 
 type Olds = heapless::Vec<Old, MANIFOLDS_MAX>;
 
+/// Where a task writes what it finds of a pair: one place for all its pairs.
+#[derive(Default)]
+struct Room {
+    olds: Olds,
+    manifolds: Manifolds,
+}
+
 /// How two shapes stand, and what their contacts have in common.
 struct Found<'a> {
     pair: Pair,
@@ -165,10 +173,14 @@ impl Found<'_> {
 }
 
 impl Task<'_> {
-    fn run(&mut self, look: &Look<'_>) {
+    fn run(&mut self, look: &Look<'_>, room: &mut Room) {
         for &pair in self.pairs {
             self.end_until(|row| row.pair < pair);
-            self.meet(look, pair);
+            if look.scene.may_touch(pair.a, pair.b) {
+                self.meet(look, pair, room);
+            } else {
+                self.end_until(|row| row.pair == pair);
+            }
         }
         self.end_until(|_| true);
     }
@@ -187,7 +199,7 @@ impl Task<'_> {
     }
 
     /// Brings the contacts of a pair up to date.
-    fn meet(&mut self, look: &Look<'_>, pair: Pair) {
+    fn meet(&mut self, look: &Look<'_>, pair: Pair, room: &mut Room) {
         let shapes = (look.shape(pair.a), look.shape(pair.b));
         let meeting = Meeting::new(&look.scene, (pair.a, pair.b), look.dt);
         let found = Found { pair, shapes, meeting, exchanged: look.are_exchanged(shapes) };
@@ -207,22 +219,25 @@ impl Task<'_> {
                 return;
             }
         }
-        let olds = self.olds(look, &found, first);
+        let Room { olds, manifolds } = room;
+        self.list_olds(look, (&found, first), olds);
+        manifolds.clear();
+        let solids = (&solid(shapes.0, look.assets), &solid(shapes.1, look.assets));
         if settles {
             let memory = meeting::pack(&found.meeting.b_in_a);
             let base = meeting::unpack(&memory).unwrap_or(Pose::IDENTITY);
-            let solids = (&solid(shapes.0, look.assets), &solid(shapes.1, look.assets));
-            for manifold in &meeting::collide_at(&base, solids) {
-                self.take_over(&found, (manifold, &base), Some(memory), &olds);
+            meeting::collide_at(&base, solids, manifolds);
+            for manifold in &*manifolds {
+                self.take_over(&found, (manifold, &base), Some(memory), olds);
             }
         } else {
-            let solids = (&solid(shapes.0, look.assets), &solid(shapes.1, look.assets));
-            for manifold in &found.meeting.collide(solids) {
-                self.take_over(&found, (manifold, &found.meeting.b_in_a), None, &olds);
+            found.meeting.collide(solids, manifolds);
+            for manifold in &*manifolds {
+                self.take_over(&found, (manifold, &found.meeting.b_in_a), None, olds);
             }
         }
         // What was not taken over has ended.
-        for old in &olds {
+        for old in &*olds {
             if self.touches[old.place].shapes == [0; 2] {
                 self.end(old.place);
             }
@@ -236,8 +251,8 @@ impl Task<'_> {
     }
 
     /// Copies of the pair's contacts, whose touches are cleared: they end unless they are taken over.
-    fn olds(&mut self, look: &Look<'_>, found: &Found<'_>, first: usize) -> Olds {
-        let mut olds = Olds::new();
+    fn list_olds(&mut self, look: &Look<'_>, (found, first): (&Found<'_>, usize), olds: &mut Olds) {
+        olds.clear();
         for place in first..self.next {
             let row = self.rows[place];
             let settled = row.tag.is_settled();
@@ -252,7 +267,6 @@ impl Task<'_> {
                 self.end(place);
             }
         }
-        olds
     }
 
     /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact keeps.

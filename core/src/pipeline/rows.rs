@@ -18,7 +18,7 @@ use bytemuck::{Pod, Zeroable, cast_ref};
 /// Sliding, squared, from which on the first tangent lies along it, m2/s2.
 const SLIDING_MIN: f32 = 1.0e-4;
 /// Slides below a ten-thousandth of the arm change nothing that f32 can show.
-const SLIDE_SHARE: f32 = 1.0e-8;
+const SLIDE_SHARE: f32 = 1.0e-6;
 
 /// Writes one row and cuts its points off `points`.
 pub(crate) fn fill(

@@ -248,7 +248,7 @@ fn over_face(hull: &Hull<'_>, face: usize, x: Vec3) -> bool {
 /// Contacts of a hull (A) with a capsule. The hull may be flat.
 pub fn hull_capsule(hull: &Hull<'_>, b: &Segment, distance: f32) -> Option<Manifold> {
     let core = [b.tail, b.head];
-    let (face, apart) = face_axis(hull, &core);
+    let (_, apart) = face_axis(hull, &core);
     if apart > distance + b.radius {
         return None;
     }
@@ -256,15 +256,20 @@ pub fn hull_capsule(hull: &Hull<'_>, b: &Segment, distance: f32) -> Option<Manif
     if near.distance > distance + b.radius {
         return None;
     }
+    hull_capsule_near(hull, b, &near, distance)
+}
+
+/// The same, with the closest points of hull and core at hand.
+pub fn hull_capsule_near(hull: &Hull<'_>, b: &Segment, near: &Closest, distance: f32) -> Option<Manifold> {
     if !near.has_normal() {
-        return deep_capsule(hull, b, (face, apart), distance);
+        return deep_capsule(hull, b, face_axis(hull, &[b.tail, b.head]), distance);
     }
     // Two points where the segment lies along something, unless the closest points lie on something else.
     let enough = near.distance - b.radius + SLACK * b.radius;
     let deep_enough = |m: &Manifold| m.points.iter().any(|p| p.separation <= enough);
-    along_face(hull, b, &near, distance)
+    along_face(hull, b, near, distance)
         .filter(deep_enough)
-        .or_else(|| along_edge(hull, b, &near, distance).filter(deep_enough))
+        .or_else(|| along_edge(hull, b, near, distance).filter(deep_enough))
         .or_else(|| core_contact(near.normal, near.on_b, (near.distance, b.radius), distance))
 }
 
