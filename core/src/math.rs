@@ -220,6 +220,18 @@ impl Rotation {
         Vec3::new(self.x, self.y, self.z)
     }
 
+    /// The unit quaternion next to a quaternion that is one but for rounding: without root or division.
+    #[inline]
+    pub(crate) fn renormalized(self) -> Self {
+        let off = self.norm_squared() - 1.0;
+        if off.abs() < 1.0e-4 {
+            // 1 / sqrt(1 + x) = 1 - x / 2 + 3 x^2 / 8 - ..., whose square term is below 4e-9.
+            let k = 1.0 - 0.5 * off;
+            return Self::new(self.x * k, self.y * k, self.z * k, self.w * k);
+        }
+        self.normalized()
+    }
+
     /// Scaled to unit length; the identity when it has none.
     pub fn normalized(self) -> Self {
         let norm = sqrt(self.norm_squared());

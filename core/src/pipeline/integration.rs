@@ -128,7 +128,7 @@ fn half_angle(a2: f32) -> (f32, f32) {
 /// `rotation` turned in the world by the rotation vector `turn` (exponential map).
 pub(crate) fn turned(rotation: Rotation, turn: Vec3) -> Rotation {
     let (s, c) = half_angle(turn.dot(turn));
-    Rotation::new(turn.x * s, turn.y * s, turn.z * s, c).after(rotation).normalized()
+    Rotation::new(turn.x * s, turn.y * s, turn.z * s, c).after(rotation).renormalized()
 }
 
 /// Mean velocity, over `time` seconds, of the point at `arm` of a body that turns about its center: along the chord
@@ -163,9 +163,15 @@ pub(crate) fn top(principal: Rotation, momentum: Vec3, inertia: Vec3, time: f32)
     let h = time / splits;
     let mut frame = principal;
     for _ in 0..splits as u32 {
-        about_axis(&mut frame, &mut local, (near, 0.5 * h * rate(near)));
+        // A symmetric top has no part of its own about the near axis.
+        let symmetric = inertia[near] == inertia[reference];
+        if !symmetric {
+            about_axis(&mut frame, &mut local, (near, 0.5 * h * rate(near)));
+        }
         about_axis(&mut frame, &mut local, (far, h * rate(far)));
-        about_axis(&mut frame, &mut local, (near, 0.5 * h * rate(near)));
+        if !symmetric {
+            about_axis(&mut frame, &mut local, (near, 0.5 * h * rate(near)));
+        }
     }
     // The common part: a rotation about the momentum, which stays in the world.
     turned(frame, momentum * (time / inertia[reference]))
@@ -192,7 +198,7 @@ fn about_axis(frame: &mut Rotation, local: &mut Vec3, (axis, rate): (usize, f32)
     let s = s * angle;
     let mut q = [0.0; 3];
     q[axis] = s;
-    *frame = frame.after(Rotation::new(q[0], q[1], q[2], c)).normalized();
+    *frame = frame.after(Rotation::new(q[0], q[1], q[2], c)).renormalized();
     // The momentum turns the other way in the frame: double angle of (c, s).
     let (sine, cosine) = (2.0 * s * c, 1.0 - 2.0 * s * s);
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);

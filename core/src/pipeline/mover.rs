@@ -139,7 +139,7 @@ impl Mover {
         let before = self.rotation;
         let principal = before.after(self.axes);
         let after = integration::top(principal, momentum, self.inertia, substep);
-        self.rotation = after.after(self.axes.inverse()).normalized();
+        self.rotation = after.after(self.axes.inverse()).renormalized();
         let turn = integration::rotation_vector(self.rotation.after(before.inverse()));
         // turn~ = W^-1 turn.
         self.start.rotate(self.inertia_root * self.start.unrotate(turn))
