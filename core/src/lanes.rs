@@ -198,7 +198,7 @@ impl Neg for Lane {
 /// Rows become columns. By quarters, because the four-wide transposition is fast without AVX too.
 #[inline(always)]
 fn turn_over(rows: [f32x8; LANES]) -> [f32x8; LANES] {
-    let [a, b, c, d, e, f, g, h] = rows.map(|row| bytemuck::cast::<_, [f32x4; 2]>(row));
+    let [a, b, c, d, e, f, g, h] = rows.map(bytemuck::cast::<_, [f32x4; 2]>);
     let low = f32x4::transpose([a[0], b[0], c[0], d[0]]);
     let high = f32x4::transpose([e[0], f[0], g[0], h[0]]);
     let next_low = f32x4::transpose([a[1], b[1], c[1], d[1]]);

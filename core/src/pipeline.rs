@@ -33,7 +33,7 @@ use crate::shape::{
 use crate::state::{Active, AssetTables, Cache, Scratch, State};
 use bytemuck::Zeroable;
 use layout::Plan;
-use tasks::Crew;
+use tasks::{ALONE_BODIES, ALONE_CONTACTS, Crew};
 
 /// Events that a step counts.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,7 +65,9 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         state.header[0].step += 1;
         return report(state, None, (0, &counts, 0));
     }
-    let mut crew = Crew { executor, barriers: 0 };
+    let header = &state.header[0];
+    let is_alone = header.contacts < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
+    let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
     broadphase::run(state, assets, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Narrowphase);

@@ -68,6 +68,7 @@ fn full() -> Scene {
             substeps: Some(3),
             sweeps: Some(2),
             relax_sweeps: Some(0),
+            inner_sweeps: Some(3),
             contact_model: Some(ContactModelDoc::Rigid),
             contact_frequency: Some(33.3),
             contact_damping_ratio: Some(0.1),

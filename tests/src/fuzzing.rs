@@ -72,7 +72,7 @@ pub fn load(world: &mut OwnedWorld, bytes: &[u8]) -> Result<(), Error> {
 fn is_quick(world: &OwnedWorld) -> bool {
     let settings = world.settings();
     let sweeps = u64::from(settings.sweeps) + u64::from(settings.relax_sweeps);
-    u64::from(settings.substeps) * sweeps <= SWEEPS_MAX
+    u64::from(settings.substeps) * sweeps * u64::from(settings.inner_sweeps) <= SWEEPS_MAX
 }
 
 /// What holds for every world that was stepped: nothing is non-finite, and a late joiner can take its state.

@@ -305,6 +305,7 @@ impl Simulator {
             substeps: 1 + self.random.below(6) as u32,
             sweeps: 1 + self.random.below(2) as u32,
             relax_sweeps: self.random.below(3) as u32,
+            inner_sweeps: 1 + self.random.below(2) as u32,
             contact_model: if self.random.below(4) == 0 { ContactModel::Rigid } else { ContactModel::Soft },
             ..Settings::default()
         }

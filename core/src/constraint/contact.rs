@@ -32,6 +32,8 @@ pub(crate) enum Pass {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sweep {
     pub pass: Pass,
+    /// How often each block is visited.
+    pub visits: u32,
     /// Substep, seconds.
     pub substep: f32,
     pub bias: Bias,

@@ -57,26 +57,31 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
 /// Solves and integrates the step.
 pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
     let substep = settings.substep();
-    let sweep = |pass| Sweep {
+    let sweep = |pass, visits| Sweep {
         pass,
+        visits,
         substep,
         bias: bias(settings),
         restitution_threshold: settings.restitution_threshold,
     };
-    run_sweep(rows, &sweep(Pass::Warm), Motion::PushFirst, crew);
+    let (sweeps, relax_sweeps) = (settings.sweeps, settings.relax_sweeps);
+    // The last sweep of a substep is plain.
+    let visits = |is_last: bool| if is_last { 1 } else { settings.inner_sweeps };
+    run_sweep(rows, &sweep(Pass::Warm, 1), Motion::PushFirst, crew);
     for index in 0..settings.substeps {
         let first = if index == 0 { Motion::None } else { Motion::PushAgain };
-        for k in 0..settings.sweeps {
-            run_sweep(rows, &sweep(Pass::Biased), if k == 0 { first } else { Motion::None }, crew);
+        for k in 0..sweeps {
+            let biased = sweep(Pass::Biased, visits(relax_sweeps == 0 && k + 1 == sweeps));
+            run_sweep(rows, &biased, if k == 0 { first } else { Motion::None }, crew);
         }
-        let pass = if settings.relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
-        run_sweep(rows, &sweep(pass), Motion::Advance, crew);
-        for _ in 1..settings.relax_sweeps {
-            run_sweep(rows, &sweep(Pass::RelaxAgain), Motion::None, crew);
+        let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
+        run_sweep(rows, &sweep(pass, visits(relax_sweeps <= 1)), Motion::Advance, crew);
+        for k in 1..relax_sweeps {
+            run_sweep(rows, &sweep(Pass::RelaxAgain, visits(k + 1 == relax_sweeps)), Motion::None, crew);
         }
     }
     if rows.groups.iter().any(|group| group.bounces != 0) {
-        run_sweep(rows, &sweep(Pass::Bounce), Motion::None, crew);
+        run_sweep(rows, &sweep(Pass::Bounce, 1), Motion::None, crew);
     }
 }
 
@@ -158,4 +163,10 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
         }
     }
     contact::visit(sweep, task.links, task.points, task.seats);
+    // The chains of a group share no body: visiting the group again is visiting each of its blocks again.
+    let again =
+        Sweep { pass: if sweep.pass == Pass::Relax { Pass::RelaxAgain } else { sweep.pass }, ..*sweep };
+    for _ in 1..sweep.visits {
+        contact::visit(&again, task.links, task.points, task.seats);
+    }
 }

@@ -106,6 +106,7 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
         ("substeps", doc.substeps, 1, 256),
         ("sweeps", doc.sweeps, 1, 1024),
         ("relax_sweeps", doc.relax_sweeps, 0, 1024),
+        ("inner_sweeps", doc.inner_sweeps, 1, 64),
         ("block_links", doc.block_links, 8, 4096),
     ];
     for (name, value, low, high) in counts {

@@ -80,6 +80,9 @@ pub struct SettingsDoc {
     /// Sweeps without bias at the end of a substep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relax_sweeps: Option<u32>,
+    /// Visits of each block in a sweep, at least 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner_sweeps: Option<u32>,
     /// How a contact removes overlap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_model: Option<ContactModelDoc>,
@@ -454,6 +457,7 @@ impl SettingsDoc {
         set(&mut settings.substeps, self.substeps);
         set(&mut settings.sweeps, self.sweeps);
         set(&mut settings.relax_sweeps, self.relax_sweeps);
+        set(&mut settings.inner_sweeps, self.inner_sweeps);
         set(&mut settings.contact_model, self.contact_model.map(Into::into));
         set(&mut settings.contact_frequency, self.contact_frequency);
         set(&mut settings.contact_damping_ratio, self.contact_damping_ratio);
