@@ -307,8 +307,8 @@ impl Search<'_> {
         Some(total)
     }
 
-    /// Each task writes its keys to its part of the room, `parts` long, as far as they fit; `parts` become the numbers
-    /// of keys. True when all fitted.
+    /// Each task writes its keys to its part of the room, `parts` long, as far as they fit; `parts` become the
+    /// numbers of keys. True when all fitted.
     fn search<E: Executor>(
         &self,
         moved: &[u32],

@@ -126,6 +126,7 @@ fn half_angle(a2: f32) -> (f32, f32) {
 }
 
 /// `rotation` turned in the world by the rotation vector `turn` (exponential map).
+#[inline]
 pub(crate) fn turned(rotation: Rotation, turn: Vec3) -> Rotation {
     let (s, c) = half_angle(turn.dot(turn));
     Rotation::new(turn.x * s, turn.y * s, turn.z * s, c).after(rotation).renormalized()

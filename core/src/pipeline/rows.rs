@@ -110,9 +110,8 @@ struct Sides {
     /// Frames of the shapes: position from the center of the body, and rotation.
     frame_a: Frame,
     frame_b: Frame,
-    /// The same in the bodies' stances, for settled contacts.
-    stance_a: Frame,
-    stance_b: Frame,
+    /// The same in the bodies' stances, when a contact is settled.
+    stances: Option<[Frame; 2]>,
     /// Words of the memos.
     memo: [Lane; 32],
     /// Words of the touches.
@@ -200,7 +199,7 @@ impl Sides {
         let (mut touches, mut stored) = ([Words::ZERO; LANES], [Words::ZERO; LANES]);
         let mut sign = Lane::ZERO;
         let mut counts = [0; LANES];
-        let mut surfaces = 0;
+        let (mut surfaces, mut settles) = (0, false);
         for (lane, &contact) in contacts.iter().enumerate() {
             if contact == EMPTY {
                 continue;
@@ -218,6 +217,7 @@ impl Sides {
             frames_a[lane] = scene.frames[touch.shapes[0] as usize];
             frames_b[lane] = scene.frames[touch.shapes[1] as usize];
             let stances = if touch.settled > 0.0 { scene.stances } else { scene.frames };
+            settles |= touch.settled > 0.0;
             stances_a[lane] = stances[touch.shapes[0] as usize];
             stances_b[lane] = stances[touch.shapes[1] as usize];
             memos[lane] = &scene.memos[contact];
@@ -232,7 +232,9 @@ impl Sides {
             }
         }
         let mut memo = [Lane::ZERO; 32];
-        for (k, own) in memo.chunks_exact_mut(8).enumerate() {
+        let several = counts.iter().any(|&count| count > 1);
+        // The second run of words has the points on A after the first: 1 to 3.
+        for (k, own) in memo.chunks_exact_mut(8).enumerate().filter(|&(k, _)| several || k != 1) {
             own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
         }
         Self {
@@ -242,8 +244,7 @@ impl Sides {
             b: Body::of(b),
             frame_a: Frame::of(frames_a),
             frame_b: Frame::of(frames_b),
-            stance_a: Frame::of(stances_a),
-            stance_b: Frame::of(stances_b),
+            stances: settles.then(|| [Frame::of(stances_a), Frame::of(stances_b)]),
             memo,
             touch: transpose(touches),
             stored: transpose(stored),
@@ -260,7 +261,8 @@ impl Sides {
     fn place(&self, scene: &Scene<'_>, row: &mut LinkRow) -> Placed {
         let zero = Lane::ZERO;
         let [_, _, friction, restitution, x, y, z, settled] = self.touch;
-        let normal = self.stance_a.rotate(self.memo_vector(0));
+        let frame = self.stances.as_ref().map_or(&self.frame_a, |[a, _]| a);
+        let normal = frame.rotate(self.memo_vector(0));
         row.normal = normal;
         row.root_b = self.b.root;
         row.friction = friction;
@@ -304,14 +306,16 @@ impl Sides {
     fn write_point(&self, found: &Placed, point: &mut PointRow, i: usize) -> (LaneVec, LaneVec) {
         let n = found.normal;
         let live = found.count.greater(Lane::splat(i as f32));
-        let on_a = self.frame_a.rotate(self.memo_vector(4 + 3 * i)) + self.frame_a.position;
-        let on_b = self.frame_b.rotate(self.memo_vector(16 + 3 * i)) + self.frame_b.position + found.centers;
         let (a, b) = (self.memo_vector(4 + 3 * i), self.memo_vector(16 + 3 * i));
-        let place = (on_a + on_b).times(Lane::splat(0.5));
-        let arm_a = self.stance_a.rotate(a) + self.stance_a.position;
-        let arm_b = self.stance_b.rotate(b) + self.stance_b.position;
-        let place = live.keep_vec(found.settled.select_vec(arm_a, place));
-        let arm_b = live.keep_vec(found.settled.select_vec(arm_b, place - found.centers));
+        let on_a = self.frame_a.rotate(a) + self.frame_a.position;
+        let on_b = self.frame_b.rotate(b) + self.frame_b.position + found.centers;
+        let mut place = (on_a + on_b).times(Lane::splat(0.5));
+        let mut arm_b = place - found.centers;
+        if let Some([stance_a, stance_b]) = &self.stances {
+            place = found.settled.select_vec(stance_a.rotate(a) + stance_a.position, place);
+            arm_b = found.settled.select_vec(stance_b.rotate(b) + stance_b.position, arm_b);
+        }
+        let (place, arm_b) = (live.keep_vec(place), live.keep_vec(arm_b));
         let ja = live.keep_vec(self.a.jacobian(place, n));
         let jb = live.keep_vec(self.b.jacobian(arm_b, n));
         let yields = found.yields + ja.dot(ja) + jb.dot(jb);

@@ -4,7 +4,7 @@ use super::World;
 use super::snapshot::{Section, check_content, parts};
 use crate::arena::Line;
 use crate::body::{self, BodyKind, BodyRow, FLAGS_ALL, Motion};
-use crate::cells::{CELLULAR_PHASES_MAX, UNORDERED};
+use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
 use crate::math::{Rotation, Vec3};
@@ -273,7 +273,7 @@ impl Parts<'_> {
             && row.impulses.iter().all(|&x| impulse(x))
             && row.impulses[unused.clone()].iter().all(|&x| x == 0.0)
             && self.memory_holds(row, assets)
-            && (row.tag.phase() == UNORDERED || usize::from(row.tag.phase()) < CELLULAR_PHASES_MAX)
+            && usize::from(row.tag.phase()) < CELLULAR_PHASES_MAX
             && row.friction.is_finite()
             && row.twist.is_finite()
     }
