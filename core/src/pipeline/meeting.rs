@@ -21,7 +21,10 @@ use bytemuck::Zeroable;
 /// Farthest that a point of a settled contact may have moved since it was found, metres: a quarter of the
 /// speculative distance, by which points were looked for farther.
 const DRIFT_MAX: f32 = SPECULATIVE_DISTANCE / 4.0;
-/// The same as a share of the smaller shape's radius.
+/// Farthest that one body of a settled contact may move against the other in a step, metres. Faster than that,
+/// impulses are large, and arms that lag behind the bodies would give them an angular momentum of their own.
+const SLOW_MAX: f32 = DRIFT_MAX / 8.0;
+/// Drift as a share of the smaller shape's radius.
 const DRIFT_SHARE: f32 = 1.0 / 64.0;
 
 /// The frame of a shape in world axes, from its body's center.
@@ -92,7 +95,7 @@ impl Meeting {
     /// True when points can be kept: the bodies hardly move in this step, as seen at the smaller one.
     pub fn is_slow(&self, (a, b): (Radius, Radius)) -> bool {
         let squared = crate::math::min(a.squared, b.squared);
-        self.way <= DRIFT_MAX && self.turns * squared <= DRIFT_MAX * DRIFT_MAX
+        self.way <= SLOW_MAX && self.turns * squared <= SLOW_MAX * SLOW_MAX
     }
 
     /// Points at the poses now. Fast bodies are stopped at the surface, not behind it: look as far as they come.

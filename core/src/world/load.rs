@@ -245,7 +245,8 @@ impl Parts<'_> {
     /// A pair of shapes that live may have to be collided: it must be one that can be.
     fn may_meet(&self, pair: Pair) -> bool {
         if !self.shape_is_used(pair.a) || !self.shape_is_used(pair.b) {
-            return true;
+            // The next step takes such pairs out before anything reads them, if it is told so.
+            return self.header.pairs_stale != 0;
         }
         let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
         // Shapes that are looked for again are taken out of the pairs before anything reads them.
