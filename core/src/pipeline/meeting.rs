@@ -23,7 +23,7 @@ use bytemuck::Zeroable;
 const DRIFT_MAX: f32 = SPECULATIVE_DISTANCE / 4.0;
 /// Farthest that one body of a settled contact may move against the other in a step, metres. Faster than that,
 /// impulses are large, and arms that lag behind the bodies would give them an angular momentum of their own.
-const SLOW_MAX: f32 = DRIFT_MAX / 8.0;
+const SLOW_MAX: f32 = DRIFT_MAX / 4.0;
 /// Drift as a share of the smaller shape's radius.
 const DRIFT_SHARE: f32 = 1.0 / 64.0;
 
