@@ -47,8 +47,8 @@ pub fn scene(bytes: &[u8]) -> bool {
 /// Loads bytes into a small world. Gives the refusal, or the world after 60 steps.
 ///
 /// # Panics
-/// When what was accepted is not exactly the bytes, a refusal changed the world, or the world breaks a promise in
-/// 60 steps.
+/// When what was accepted is not exactly the bytes, a refusal changed the world, the world breaks a promise in 60
+/// steps, or it goes another way when its caches are dropped before each of them.
 pub fn load(world: &mut OwnedWorld, bytes: &[u8]) -> Result<(), Error> {
     let before = world.checksum();
     if let Err(error) = world.load(bytes) {
@@ -63,6 +63,13 @@ pub fn load(world: &mut OwnedWorld, bytes: &[u8]) -> Result<(), Error> {
         for _ in 0..STEPS {
             world.step(&mut Serial);
         }
+        let state = world.state().to_vec();
+        assert_eq!(world.load(bytes), Ok(()), "what was accepted once is accepted");
+        for _ in 0..STEPS {
+            world.drop_caches();
+            world.step(&mut Serial);
+        }
+        assert!(world.state() == state, "caches change no bit");
         check_reachable(world);
     }
     Ok(())

@@ -1,9 +1,11 @@
 //! `load` takes bytes from anywhere: it accepts exactly or refuses, never panics, and what it accepts steps.
 
-use cellstep::{Error, Serial, SnapshotError};
+use cellstep::math::Vec3;
+use cellstep::{BodyDef, BodyKind, Error, Geometry, Serial, ShapeDef, SnapshotError};
 use cellstep_tests::executors::Random;
 use cellstep_tests::fuzzing::{self, LOAD_CAPACITIES, SNAPSHOT_HEADER};
 use cellstep_tests::simulator::{Simulator, snapshot};
+use cellstep_tests::worlds;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -179,4 +181,44 @@ fn counters_near_their_end_are_refused() {
             assert_eq!(fuzzing::load(&mut world, &bytes), Err(Error::Snapshot(expected)));
         }
     }
+}
+
+/// A ball on another one on the ground, after a step.
+fn two_balls() -> (worlds::OwnedWorld, [cellstep::BodyHandle; 2]) {
+    let mut world = worlds::world(3);
+    worlds::ground(&mut world, 0.5);
+    let ball = ShapeDef::new(Geometry::Sphere { radius: 0.5 });
+    let bodies = [0.5, 1.5]
+        .map(|z| worlds::add(&mut world, &BodyDef::new(BodyKind::Dynamic, Vec3::new(0.0, 0.0, z)), &ball).0);
+    world.step(&mut Serial);
+    (world, bodies)
+}
+
+/// Every contact that a step leaves has a place in the ordering.
+#[test]
+fn a_contact_without_phase_is_refused() {
+    let (mut world, _) = two_balls();
+    let mut bytes = snapshot(&world);
+    // Behind the contacts of 64 bytes are the ordering and a byte per body.
+    let last = bytes.len() - 3 - 20 - 64;
+    bytes[last + 8] |= 15;
+    let expected = SnapshotError::Invalid { section: "contacts", index: 1 };
+    assert_eq!(world.load(&bytes), Err(Error::Snapshot(expected)));
+}
+
+/// Pairs of shapes that are gone stay until the next step, which must know of them.
+#[test]
+fn forgotten_pairs_of_removed_shapes_are_refused() {
+    let (mut world, bodies) = two_balls();
+    for body in bodies {
+        world.remove_body(body).expect("it exists");
+    }
+    let mut bytes = snapshot(&world);
+    assert_eq!(world.load(&bytes), Ok(()));
+    // The mark is the last word but one of the state's header.
+    let mark = SNAPSHOT_HEADER + STATE_HEADER - 8;
+    assert_eq!(bytes[mark..mark + 4], 1_u32.to_le_bytes());
+    bytes[mark] = 0;
+    let expected = SnapshotError::Invalid { section: "pairs", index: 0 };
+    assert_eq!(world.load(&bytes), Err(Error::Snapshot(expected)));
 }
