@@ -8,11 +8,13 @@
 //! and `s` the tangents; `h` the substep.
 
 mod bounce;
+mod shift;
 
 use super::row::{Bias, LinkRow, PointRow};
-use crate::lanes::{LANES, Lane, LaneVec, Mask, transpose, transpose_back};
+use crate::lanes::{LANES, Lane, LaneVec, transpose, transpose_back};
 use crate::pipeline::seat::Seat;
 use bounce::{bounce, record_bounces};
+use shift::Shift;
 
 /// What a sweep does at each row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +155,7 @@ fn solve<const N: usize>(
     (points, traits): (&mut [PointRow; N], Traits),
     (sweep, shift): (&Sweep, &Shift),
 ) {
-    solve_friction(u, row, load_of(points), (shift, traits.surfaces));
+    solve_friction::<N>(u, row, load_of(points), (shift, traits.surfaces));
     solve_normals(u, row, (points, traits), (sweep, shift));
 }
 
@@ -166,80 +168,6 @@ fn solve_sliding<const N: usize>(
     (sweep, shift): (&Sweep, &Shift),
 ) {
     solve(u, row, (points, traits), (sweep, shift));
-}
-
-/// How B's jacobians change because the point of contact went with A: `r = r0 - slide`, so
-/// `W (r x d) = W (r0 x d) + W (d x slide)` for a direction d.
-struct Shift {
-    normal: LaneVec,
-    first: LaneVec,
-    second: LaneVec,
-    /// Lanes that slid far enough to matter.
-    slides: Mask,
-    any: bool,
-}
-
-impl Shift {
-    /// None.
-    const NONE: Self = Self {
-        normal: LaneVec::ZERO,
-        first: LaneVec::ZERO,
-        second: LaneVec::ZERO,
-        slides: Mask::NONE,
-        any: false,
-    };
-
-    #[inline(always)]
-    fn of(row: &LinkRow) -> Self {
-        let slides = row.slide.dot(row.slide).greater(row.slide_min);
-        let mut shift = Self {
-            normal: LaneVec::ZERO,
-            first: LaneVec::ZERO,
-            second: LaneVec::ZERO,
-            slides,
-            any: slides.any(),
-        };
-        if shift.any {
-            let turn = |direction: LaneVec| root_times(&row.root_b, direction.cross(row.slide));
-            shift.normal = turn(row.normal);
-            shift.first = turn(row.tangent);
-            shift.second = turn(row.normal.cross(row.tangent));
-        }
-        shift
-    }
-
-    /// A lane's result depends on that lane alone: `any` only saves work.
-    #[inline(always)]
-    fn apply(&self, jacobian: LaneVec, change: LaneVec) -> LaneVec {
-        if self.any { jacobian + self.slides.keep_vec(change) } else { jacobian }
-    }
-
-    /// What the mass of a point is divided by for the jacobian `jb`. A longer arm yields more: with the mass of the
-    /// shorter one a sweep would overshoot, and bodies that slide along each other for longer than their arms would
-    /// explode.
-    #[inline(always)]
-    fn mass(&self, (point, mass): (&PointRow, Lane), jb: LaneVec) -> Lane {
-        if !self.any {
-            return mass;
-        }
-        let more = jb.dot(jb) - point.normal_b.dot(point.normal_b);
-        // Never 0: where the bodies hardly move but by turning, the rest is rounding.
-        let sum = (Lane::splat(1.0) + mass * more).greatest(Lane::splat(1.0e-3));
-        self.slides.select(mass / sum, mass)
-    }
-
-    /// The same for both tangents, by the trace of what their 2x2 block gains.
-    #[inline(always)]
-    fn friction_mass(&self, row: &LinkRow, (first_b, second_b): (LaneVec, LaneVec)) -> Lane {
-        if !self.any {
-            return row.friction_mass;
-        }
-        let now = first_b.dot(first_b) + second_b.dot(second_b);
-        let before = row.first_b.dot(row.first_b) + row.second_b.dot(row.second_b);
-        let more = (now - before).greatest(Lane::ZERO);
-        let sum = Lane::splat(1.0) + row.friction_mass * more;
-        self.slides.select(row.friction_mass / sum, row.friction_mass)
-    }
 }
 
 /// A symmetric matrix (diagonal, then xy, xz, yz) times a vector.
@@ -387,12 +315,19 @@ fn warm<const N: usize>(u: &mut Velocities, row: &LinkRow, points: &[PointRow; N
     }
     u.apply(row.tangent, (row.first_a, row.first_b), row.first_impulse);
     u.apply(second, (row.second_a, row.second_b), row.second_impulse);
-    u.apply_torque(row.twist_a, row.twist_b, row.twist_impulse);
+    if N > 1 {
+        u.apply_torque(row.twist_a, row.twist_b, row.twist_impulse);
+    }
 }
 
 /// The tangents as one disc, then the twist.
 #[inline(always)]
-fn solve_friction(u: &mut Velocities, row: &mut LinkRow, load: Lane, (shift, surfaces): (&Shift, bool)) {
+fn solve_friction<const N: usize>(
+    u: &mut Velocities,
+    row: &mut LinkRow,
+    load: Lane,
+    (shift, surfaces): (&Shift, bool),
+) {
     let limit = row.friction * load;
     let second = row.normal.cross(row.tangent);
     let first_b = shift.apply(row.first_b, shift.first);
@@ -416,6 +351,10 @@ fn solve_friction(u: &mut Velocities, row: &mut LinkRow, load: Lane, (shift, sur
     u.apply(second, (row.second_a, second_b), y - row.second_impulse);
     (row.first_impulse, row.second_impulse) = (x, y);
 
+    // One point has no lever.
+    if N == 1 {
+        return;
+    }
     let limit = limit * row.radius;
     let rate = row.twist_b.dot(u.wb) - row.twist_a.dot(u.wa) + surface.z;
     let z = row.twist_impulse - row.twist_mass * rate;

@@ -18,6 +18,8 @@ use crate::pool::is_used;
 use crate::shape::{BOX_STALE, ShapeRow};
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Scratch, State};
 
+/// Marks a slot without a shape among the marks of moved shapes.
+const GONE: u8 = 2;
 /// Shapes for which updating boxes is worth a task.
 const UPDATE_SHAPES: usize = 256;
 /// Moved shapes for which a search is worth a task.
@@ -74,7 +76,7 @@ fn update_boxes<E: Executor>(
         let frames = task.frames.iter_mut().zip(task.stances.iter_mut()).zip(task.reaches.iter_mut());
         let slots = task.shapes.iter_mut().zip(task.is_moved.iter_mut()).zip(frames);
         for (i, ((shape, moved), ((frame, stance), reach))) in slots.enumerate() {
-            *moved = 0;
+            *moved = GONE;
             if is_used(used, task.first + i as u32) {
                 let (body, motion) = (&bodies[shape.body as usize], &motions[shape.body as usize]);
                 let pose = motion.local_to_center(body, &shape.pose);
@@ -123,7 +125,7 @@ fn list_moved(state: &State<'_>, scratch: &mut Scratch<'_>) -> (usize, bool) {
     let high = state.header[0].shapes.high as usize;
     let (mut count, mut statics) = (0, false);
     for slot in 0..high {
-        if scratch.is_moved[slot] != 0 {
+        if scratch.is_moved[slot] == 1 {
             scratch.moved[count] = slot as u32;
             count += 1;
             let body = state.shapes[slot].body as usize;
@@ -271,7 +273,7 @@ impl Search<'_> {
         let region = tree_box(state, slot, self.sector);
         let mut found = |other: u32| {
             let twice = self.is_moved[other as usize] != 0 && other < slot;
-            let new = other != slot && !twice && is_used(state.shape_used, other);
+            let new = other != slot && !twice && self.is_moved[other as usize] != GONE;
             if new && may_meet(state, slot, other) && boxes_overlap(state, slot, other) {
                 visit(key(slot, other));
             }
@@ -398,11 +400,8 @@ impl Best<'_> {
 /// Merges the found keys (sorted) with the pairs that stay, and writes the pairs of the step.
 fn merge(state: &mut State<'_>, scratch: &mut Scratch<'_>, found: usize, counts: &mut Counts) {
     let is_moved = &*scratch.is_moved;
-    let (used, old) = (&*state.shape_used, state.header[0].pairs as usize);
-    let stays = |pair: &Pair| {
-        let still = |slot: u32| is_used(used, slot) && is_moved[slot as usize] == 0;
-        still(pair.a) && still(pair.b)
-    };
+    let old = state.header[0].pairs as usize;
+    let stays = |pair: &Pair| is_moved[pair.a as usize] | is_moved[pair.b as usize] == 0;
     let mut kept = 0;
     for i in 0..old {
         if stays(&state.pairs[i]) {

@@ -186,21 +186,40 @@ fn lay_out_phase(
     plan.phase_count += 1;
 }
 
-/// Deals blocks to chains, each to the chain with the least links; long blocks come first. Returns the loads.
+/// Deals blocks to chains, each to the chain with the least links, the first of equals; long blocks come first.
+/// Returns the loads.
 fn deal(blocks: &[Block], groups: usize, chains: &mut [u32]) -> [u32; LINK_GROUPS_MAX * LANES] {
     let mut loads = [0_u32; LINK_GROUPS_MAX * LANES];
-    let count = groups * LANES;
+    // A heap of (load, chain): the least is in front.
+    let mut heap = [(0_u32, 0_u32); LINK_GROUPS_MAX * LANES];
+    let heap = &mut heap[..groups * LANES];
+    heap.iter_mut().zip(0..).for_each(|(entry, chain)| entry.1 = chain);
     for (block, chain) in blocks.iter().zip(chains) {
-        let mut best = 0;
-        for candidate in 1..count {
-            if loads[candidate] < loads[best] {
-                best = candidate;
-            }
-        }
-        *chain = best as u32;
-        loads[best] += block.count;
+        let (load, best) = heap[0];
+        *chain = best;
+        loads[best as usize] = load + block.count;
+        sink(heap, (load + block.count, best));
     }
     loads
+}
+
+/// Puts an entry in the place of the heap's front.
+fn sink(heap: &mut [(u32, u32)], entry: (u32, u32)) {
+    let mut at = 0;
+    loop {
+        let left = 2 * at + 1;
+        let Some(&first) = heap.get(left) else { break };
+        let (next, least) = match heap.get(left + 1) {
+            Some(&second) if second < first => (left + 1, second),
+            _ => (left, first),
+        };
+        if entry <= least {
+            break;
+        }
+        heap[at] = least;
+        at = next;
+    }
+    heap[at] = entry;
 }
 
 /// Writes each link's contact to its row and lane. Links and contacts have the same indices.

@@ -332,17 +332,10 @@ impl Sides {
 
     /// One patch for the manifold: two tangents and the twist at the points' middle.
     fn write_friction(&self, found: &Placed, row: &mut LinkRow, patch: &Patch) {
-        let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
-        let live = found.count.greater(zero);
+        let one = Lane::splat(1.0);
+        let live = found.count.greater(Lane::ZERO);
         let share = one / live.select(found.count, one);
         let middle = patch.sum.times(share);
-        let mut spread = zero;
-        for (i, &place) in patch.places[..patch.points].iter().enumerate() {
-            let off = place - middle;
-            let length = off.dot(off).sqrt();
-            spread = spread + found.count.greater(Lane::splat(i as f32)).select(length, zero);
-        }
-        row.radius = spread * share;
         let (arm_a, arm_b) = (middle, patch.sum_b.times(share));
         let n = found.normal;
         let t = live.keep_vec(self.tangent(n, (arm_a, arm_b)));
@@ -360,18 +353,32 @@ impl Sides {
         let r = t.dot(s.each_times(free)) + row.first_a.dot(row.second_a) + row.first_b.dot(row.second_b);
         let half = Lane::splat(0.5) * (p - q);
         row.friction_mass = inverse(Lane::splat(0.5) * (p + q) + (half * half + r * r).sqrt());
-        row.twist_a = root_times(&self.a.root, n);
-        row.twist_b = root_times(&self.b.root, n);
-        row.twist_mass = inverse(row.twist_a.dot(row.twist_a) + row.twist_b.dot(row.twist_b));
-        let [_, _, _, _, x, y, z, twist] = self.stored;
+        // One point has no lever, and no twist.
+        if patch.points > 1 {
+            self.write_twist(found, row, (patch, share));
+        }
+        let [_, _, _, _, x, y, z, _] = self.stored;
         let stored = LaneVec::new(x, y, z).times(self.sign);
         row.first_impulse = stored.dot(t);
         row.second_impulse = stored.dot(s);
-        row.twist_impulse = twist;
         let reach = arm_b.dot(arm_b).greatest(arm_a.dot(arm_a));
         let slide_min = (reach * Lane::splat(SLIDE_SHARE)).greatest(Lane::splat(f32::MIN_POSITIVE));
         // The arms of a settled contact stay.
         row.slide_min = found.settled.select(Lane::splat(f32::MAX), slide_min);
+    }
+
+    fn write_twist(&self, found: &Placed, row: &mut LinkRow, (patch, share): (&Patch, Lane)) {
+        let middle = patch.sum.times(share);
+        let mut spread = Lane::ZERO;
+        for (i, &place) in patch.places[..patch.points].iter().enumerate() {
+            let off = place - middle;
+            spread = spread + found.count.greater(Lane::splat(i as f32)).keep(off.dot(off).sqrt());
+        }
+        row.radius = spread * share;
+        row.twist_a = root_times(&self.a.root, found.normal);
+        row.twist_b = root_times(&self.b.root, found.normal);
+        row.twist_mass = inverse(row.twist_a.dot(row.twist_a) + row.twist_b.dot(row.twist_b));
+        row.twist_impulse = self.stored[7];
     }
 
     /// The first tangent lies along the sliding velocity, so that isotropy does not depend on the axes; at rest
