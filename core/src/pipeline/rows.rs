@@ -378,7 +378,9 @@ impl Sides {
         row.twist_a = root_times(&self.a.root, found.normal);
         row.twist_b = root_times(&self.b.root, found.normal);
         row.twist_mass = inverse(row.twist_a.dot(row.twist_a) + row.twist_b.dot(row.twist_b));
-        row.twist_impulse = self.stored[7];
+        // What a lane does with one point may not depend on the points of its neighbours.
+        let several = found.count.greater(Lane::splat(1.5));
+        row.twist_impulse = several.keep(self.stored[7]);
     }
 
     /// The first tangent lies along the sliding velocity, so that isotropy does not depend on the axes; at rest
