@@ -76,7 +76,7 @@ impl Default for Limits {
             bodies: format::BODIES_MAX as u64,
             shapes: 1 << 20,
             contacts: 1 << 24,
-            memory_bytes: 8 << 30,
+            memory_bytes: 16 << 30,
         }
     }
 }
