@@ -16,7 +16,8 @@ use crate::executor::Executor;
 use crate::pipeline::{self, Regions};
 use crate::report::StepReport;
 use crate::state::{
-    AssetTables, Assets, AssetsLayout, Cache, CacheLayout, Header, Scratch, ScratchLayout, State, StateLayout,
+    AssetTables, Assets, AssetsLayout, Cache, CacheHeader, CacheLayout, Header, Scratch, ScratchLayout,
+    State, StateLayout,
 };
 use bytemuck::Zeroable;
 
@@ -202,10 +203,13 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
 
     /// Forgets everything that is derived from the state. Costs time in the next step, never changes a bit.
     pub fn drop_caches(&mut self) {
-        let layout = self.layout;
+        *self.cache_header_mut() = Zeroable::zeroed();
+    }
+
+    fn cache_header_mut(&mut self) -> &mut CacheHeader {
         let (start, end) = self.cache_range();
-        let cache = &mut bytemuck::cast_slice_mut::<Line, u8>(self.memory.as_mut())[start..end];
-        layout.cache.header.of_mut(cache)[0] = Zeroable::zeroed();
+        let span = self.layout.cache.header;
+        &mut span.of_mut(&mut bytemuck::cast_slice_mut::<Line, u8>(self.memory.as_mut())[start..end])[0]
     }
 
     /// All bytes that determine the future, free rows (zeros) included. Equal worlds have equal bytes.

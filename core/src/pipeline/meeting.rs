@@ -66,6 +66,15 @@ impl Scene<'_> {
     }
 }
 
+/// The pose of B's frame in A's, both given from the centers of their bodies, B's center at `centers` from A's.
+#[inline(always)]
+pub(crate) fn relative(frame_a: &Pose, frame_b: &Pose, centers: Vec3) -> Pose {
+    Pose::new(
+        frame_a.untransform(frame_b.position + centers),
+        frame_a.rotation.inverse().after(frame_b.rotation),
+    )
+}
+
 /// The relative pose of two shapes, and how far apart points are looked for.
 pub(crate) struct Meeting {
     /// Pose of B's frame in A's.
@@ -84,10 +93,7 @@ impl Meeting {
         let (ma, mb) = (body(a), body(b));
         let centers = mb.center.minus(ma.center);
         let (frame_a, frame_b) = (frame_of(scene.frames[a as usize]), frame_of(scene.frames[b as usize]));
-        let b_in_a = Pose::new(
-            frame_a.untransform(frame_b.position + centers),
-            frame_a.rotation.inverse().after(frame_b.rotation),
-        );
+        let b_in_a = relative(&frame_a, &frame_b, centers);
         let turns = (ma.angular.dot(ma.angular) + mb.angular.dot(mb.angular)) * (dt * dt);
         Self { b_in_a, centers, way: length(mb.linear - ma.linear) * dt, turns }
     }

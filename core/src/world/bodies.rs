@@ -459,10 +459,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// The trees no longer fit the shapes.
     pub(super) fn touch_trees(&mut self) {
         self.header_mut().static_version += 1;
-        let layout = self.layout;
-        let (start, end) = self.cache_range();
-        let cache = &mut bytemuck::cast_slice_mut::<Line, u8>(self.memory.as_mut())[start..end];
-        layout.cache.header.of_mut(cache)[0].moving_fits = 0;
+        self.cache_header_mut().moving_fits = 0;
     }
 
     pub(super) fn body_slot(&self, body: BodyHandle) -> Result<usize, Error> {
