@@ -69,9 +69,9 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let is_alone = header.contacts < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
-    broadphase::run(state, assets, (cache, scratch), (&mut crew, &mut counts));
+    broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Narrowphase);
-    let change = narrowphase::run(state, assets, (cache, scratch), (&mut crew, &mut counts));
+    let change = narrowphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
     let bodies = activate(state, scratch);
     crew.executor.enter(Stage::Ordering);

@@ -27,11 +27,11 @@ const SEARCH_SHAPES: usize = 64;
 
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    assets: &AssetTables<'_>,
+    (assets, dt): (&AssetTables<'_>, f32),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
-    update_boxes(state, assets, scratch, crew);
+    update_boxes(state, (assets, dt), scratch, crew);
     let (moved, statics_moved) = list_moved(state, scratch);
     if moved == 0 && state.header[0].pairs_stale == 0 {
         return;
@@ -48,7 +48,7 @@ pub(crate) fn run<E: Executor>(
 /// Computes the shapes' frames, makes new boxes for shapes that left theirs, and marks those.
 fn update_boxes<E: Executor>(
     state: &mut State<'_>,
-    assets: &AssetTables<'_>,
+    (assets, dt): (&AssetTables<'_>, f32),
     scratch: &mut Scratch<'_>,
     crew: &mut Crew<'_, E>,
 ) {
@@ -62,7 +62,6 @@ fn update_boxes<E: Executor>(
     }
     let high = state.header[0].shapes.high as usize;
     let share = chunk(high, UPDATE_SHAPES);
-    let dt = state.header[0].settings.read().map_or(0.0, |settings| settings.dt);
     let all = state.header[0].pairs_stale & PAIRS_DROPPED != 0;
     let (used, bodies, motions) = (&*state.shape_used, &*state.bodies, &*state.motions);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();

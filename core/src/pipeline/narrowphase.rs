@@ -21,11 +21,11 @@ const COLLIDE_PAIRS: usize = 64;
 /// Finds the contacts of the step. Says which began and ended.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    assets: &AssetTables<'_>,
+    (assets, dt): (&AssetTables<'_>, f32),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
-    let yields = collide_pairs(state, assets, (cache, scratch), crew);
+    let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
     let change = contacts::merge(state, (cache, scratch), &yields, (crew, counts));
     for shape in &mut state.shapes[..state.header[0].shapes.high as usize] {
@@ -37,7 +37,7 @@ pub(crate) fn run<E: Executor>(
 /// Brings every pair's contacts up to date.
 fn collide_pairs<E: Executor>(
     state: &mut State<'_>,
-    assets: &AssetTables<'_>,
+    (assets, dt): (&AssetTables<'_>, f32),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     crew: &mut Crew<'_, E>,
 ) -> Tasks<Yield> {
@@ -52,7 +52,7 @@ fn collide_pairs<E: Executor>(
             reaches: scratch.reaches,
         },
         assets,
-        dt: header.settings.read().map_or(0.0, |settings| settings.dt),
+        dt,
         memos_fit: cache.header[0].memos_fit != 0,
     };
     let pairs = &state.pairs[..pair_count];
