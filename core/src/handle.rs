@@ -25,6 +25,11 @@ handle! {
     ShapeHandle
 }
 
+handle! {
+    /// Names a joint between two bodies.
+    JointHandle
+}
+
 /// Names a convex hull among the assets. Assets are never removed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]

@@ -10,6 +10,7 @@ pub(crate) mod broadphase;
 pub(crate) mod contacts;
 pub(crate) mod finish;
 pub(crate) mod integration;
+pub(crate) mod joints;
 pub(crate) mod layout;
 pub(crate) mod meeting;
 pub(crate) mod mover;
@@ -33,6 +34,8 @@ use crate::shape::{
 use crate::state::{Active, AssetTables, Cache, Scratch, State};
 use bytemuck::Zeroable;
 use layout::Plan;
+use ordering::Links;
+use solver::JointRows;
 use tasks::{ALONE_BODIES, ALONE_CONTACTS, Crew};
 
 /// Events that a step counts.
@@ -42,6 +45,7 @@ pub(crate) struct Counts {
     pub dropped_contacts: u32,
     pub quarantined: u32,
     pub capped: u32,
+    pub broken: u32,
 }
 
 /// The memory of a world, region by region.
@@ -66,19 +70,19 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         return report(state, None, (0, &counts, 0));
     }
     let header = &state.header[0];
-    let is_alone = header.contacts < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
+    let links = header.contacts + header.joints.count;
+    let is_alone = links < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
     broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Narrowphase);
     let change = narrowphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
-    let bodies = activate(state, scratch);
+    let links = activate(state, scratch);
     crew.executor.enter(Stage::Ordering);
-    let change = (&change, settings.block_links, bodies);
-    let plan = ordering::run(state, (cache, scratch), change, scheduler);
+    let plan = ordering::run(state, (cache, scratch), (&change, links, settings), scheduler);
     crew.executor.enter(Stage::Assembly);
-    assembly::prepare_bodies(state, scratch, (settings, bodies), &mut crew);
+    assembly::prepare_bodies(state, scratch, (settings, links.bodies), &mut crew);
     assembly::fill(state, (cache, scratch), (settings, &plan), &mut crew);
     crew.executor.enter(Stage::Solve);
     let mut rows = solver::Rows {
@@ -86,6 +90,11 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         groups: &cache.groups[..plan.groups],
         links: scratch.link_rows,
         points: scratch.point_rows,
+        joints: JointRows {
+            links: scratch.joint_links,
+            locks: scratch.lock_rows,
+            bounds: scratch.bound_rows,
+        },
         seats: scratch.seats,
         sources: cache.seat_sources,
         movers: scratch.movers,
@@ -93,13 +102,15 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     solver::solve(&mut rows, settings, &mut crew);
     crew.executor.enter(Stage::Finish);
     finish::index_points(&cache.groups[..plan.groups], scratch.link_rows, scratch.row_points);
+    let joints = (&plan, links.joints, settings.substep());
+    joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
     finish::run(state, (cache, scratch), (&plan, settings.dt), (&mut crew, &mut counts));
     crew.executor.leave();
-    report(state, Some(&plan), (bodies as u32, &counts, crew.barriers))
+    report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers))
 }
 
 /// Lists the bodies that take part in the solve, and the links between them.
-fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
+fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> Links {
     let header = &state.header[0];
     let mut count = 0;
     scratch.active_of[..header.bodies.high as usize].fill(IMMOVABLE);
@@ -110,8 +121,8 @@ fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
             count += 1;
         }
     }
-    ordering::write_links(state, scratch);
-    count
+    let (contacts, joints) = ordering::write_links(state, scratch);
+    Links { bodies: count, contacts, joints }
 }
 
 fn report(
@@ -126,12 +137,14 @@ fn report(
         active: bodies,
         pairs: header.pairs,
         contacts: header.contacts,
-        phases: if header.contacts == 0 { 0 } else { plan.map_or(0, |plan| plan.phase_count as u32) },
+        joints: header.joints.count,
+        phases: plan.filter(|plan| plan.blocks > 0).map_or(0, |plan| plan.phase_count as u32),
         blocks: plan.map_or(0, |plan| plan.blocks as u32),
         barriers,
         dropped: counts.dropped_pairs + counts.dropped_contacts,
         quarantined: counts.quarantined,
         capped: counts.capped,
+        broken: counts.broken,
     }
 }
 

@@ -13,6 +13,8 @@ pub struct StepReport {
     pub pairs: u32,
     /// Contacts, each a manifold of 1 to 4 points: the links of the ordering.
     pub contacts: u32,
+    /// Joints in the world.
+    pub joints: u32,
     /// Phases of a sweep: barriers between them.
     pub phases: u32,
     /// Blocks of all phases.
@@ -25,4 +27,6 @@ pub struct StepReport {
     pub quarantined: u32,
     /// Bodies whose speed or spin was capped.
     pub capped: u32,
+    /// Joints that broke in this step.
+    pub broken: u32,
 }

@@ -10,10 +10,12 @@ use crate::cells::{self, Block, Link, OrderingRow, UNORDERED};
 use crate::collide::{Edge, Face, Hull, Mesh, Plane, Triangle, tree};
 use crate::collide::{HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX};
 use crate::config::SettingsRow;
+use crate::constraint::joint::{BoundRow, JointLink, LockRow};
 use crate::constraint::row::{LinkRow, PointRow};
+use crate::joint::JointRow;
 use crate::lanes::Words;
 use crate::math::{Aabb, Rotation, Vec3};
-use crate::pipeline::layout::{Group, Plan, seats_max};
+use crate::pipeline::layout::{Group, Plan, links_max, seats_max};
 use crate::pipeline::mover::Mover;
 use crate::pipeline::seat::Seat;
 use crate::pool::{Marks, words};
@@ -37,9 +39,17 @@ pub(crate) struct Header {
     pub contacts: u32,
     /// Why the pairs are not those of the boxes: 0 they are, `PAIRS_REMOVED`, `PAIRS_DROPPED`.
     pub pairs_stale: u32,
+    /// 1 when a joint was removed since the last step.
+    pub joints_stale: u32,
+    pub joints: Marks,
+    /// Limits, drives and frictions of all joints.
+    pub joint_bounds: u32,
     /// Zero.
     pub reserved: u32,
 }
+
+/// Limits, drives and frictions for each joint of the capacity, in all.
+pub(crate) const JOINT_BOUNDS: usize = 4;
 
 /// A shape was removed since the last step: its pairs must go.
 pub(crate) const PAIRS_REMOVED: u32 = 1;
@@ -141,6 +151,11 @@ region! {
         ordering: OrderingRow = 1,
         /// Changes of the ordering near each body.
         dirt: u8 = c.bodies as usize,
+        joints: JointRow = c.joints as usize,
+        joint_generations: u32 = c.joints as usize,
+        joint_used: u64 = words(c.joints as usize),
+        /// The first joint of each body: its slot plus 1, or 0. Of no length without joints.
+        first_joints: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
     }
 }
 
@@ -273,6 +288,10 @@ pub(crate) struct CacheHeader {
     pub ordering_fits: u32,
     /// Sector in which both trees count their coordinates.
     pub sector: [i32; 3],
+    /// Number of contacts among the links of the last update of the ordering.
+    pub ordered_contacts: u32,
+    /// Number of joints among them.
+    pub ordered_joints: u32,
     pub reserved_2: u32,
 }
 
@@ -287,9 +306,11 @@ region! {
         /// Of the contacts, in two halves of which one is in use.
         memos: Memo = 2 * c.contacts as usize,
         /// What follows from the ordering in the state.
-        ordering: u32 = cells::upkeep_words(c.bodies as usize, c.contacts as usize),
+        ordering: u32 = cells::upkeep_words(c.bodies as usize, links_max(c)),
+        /// Slots of the joints among the links of the last update of the ordering.
+        ordered_joints: u32 = c.joints as usize,
         /// The links that are laid out.
-        links: Link = c.contacts as usize,
+        links: Link = links_max(c),
         plan: Plan = 1,
         groups: Group = crate::pipeline::layout::groups_max(c),
         /// Contact of each lane of each row; `u32::MAX` for none.
@@ -298,6 +319,10 @@ region! {
         lane_seats: [u32; 16] = c.contacts as usize,
         /// Where a contact was placed: row * 8 + lane.
         contact_places: u32 = c.contacts as usize,
+        /// The same three for joints, by their place among the links that are joints.
+        lane_joints: [u32; 8] = c.joints as usize,
+        joint_seats: [u32; 16] = c.joints as usize,
+        joint_places: u32 = c.joints as usize,
         seat_sources: u32 = seats_max(c),
         /// Active body of each seat; `u32::MAX` for the scratch seats of lanes.
         seat_bodies: u32 = seats_max(c),
@@ -409,27 +434,36 @@ region! {
         touches: Touch = c.contacts as usize,
         touches_before: Touch = c.contacts as usize,
         rows_before: ContactRow = c.contacts as usize,
-        /// Index of each contact in the step before, or `NEW`.
-        contact_from: u32 = c.contacts as usize,
-        /// Bodies of the contacts that ended.
-        lost: [u32; 2] = c.contacts as usize,
+        /// Index of each link in the step before, or `NEW`.
+        contact_from: u32 = links_max(c),
+        /// Bodies of the links that ended.
+        lost: [u32; 2] = links_max(c),
         /// Index among the active bodies by slot; `u32::MAX` for none.
         active_of: u32 = c.bodies as usize,
         active: Active = c.bodies as usize,
-        links: Link = c.contacts as usize,
+        /// Contacts, then joints.
+        links: Link = links_max(c),
         /// The same links between slots of bodies.
-        slot_links: Link = c.contacts as usize,
-        phases: u8 = c.contacts as usize,
-        order: u32 = c.contacts as usize,
-        blocks: Block = c.contacts as usize,
-        ordering: u32 = cells::upkeep_scratch_words(c.bodies as usize, c.contacts as usize),
+        slot_links: Link = links_max(c),
+        /// Slots of the joints that are links.
+        joint_slots: u32 = c.joints as usize,
+        phases: u8 = links_max(c),
+        order: u32 = links_max(c),
+        blocks: Block = links_max(c),
+        ordering: u32 = cells::upkeep_scratch_words(c.bodies as usize, links_max(c)),
+        joint_links: JointLink = c.joints as usize,
+        lock_rows: LockRow = 6 * c.joints as usize,
+        bound_rows: BoundRow = JOINT_BOUNDS * c.joints as usize,
+        joint_keys: u64 = c.joints as usize,
+        /// First lock and first bound of each row of joints.
+        joint_firsts: [u32; 2] = c.joints as usize,
         link_rows: LinkRow = c.contacts as usize,
         point_rows: PointRow = 4 * c.contacts as usize,
         seats: Seat = seats_max(c),
         /// First point of each row.
         row_points: u32 = c.contacts as usize,
         /// Chain of each block of the phase that is laid out.
-        block_chains: u32 = c.contacts as usize,
+        block_chains: u32 = links_max(c),
         /// The body's seat in the phase that is laid out, by active body.
         phase_seats: u32 = c.bodies as usize,
         movers: Mover = seats_max_first(c),

@@ -4,6 +4,7 @@ mod assets;
 mod bodies;
 mod checksum;
 mod contacts;
+mod joints;
 mod load;
 mod shapes;
 mod snapshot;
@@ -21,6 +22,8 @@ use crate::state::{
 };
 use bytemuck::Zeroable;
 
+pub(crate) use joints::are_joined;
+
 pub use contacts::{Contact, ContactPoint, WorldManifold};
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.
@@ -34,6 +37,8 @@ pub struct Capacities {
     pub pairs: u32,
     /// Contacts (manifolds), at most 2^24.
     pub contacts: u32,
+    /// Joints, at most 2^22, with four limits, drives and frictions each on average.
+    pub joints: u32,
     /// Convex hulls among the assets, at most 2^16.
     pub hulls: u32,
     /// Meshes among the assets, at most 2^16.
@@ -45,13 +50,14 @@ pub struct Capacities {
 }
 
 impl Capacities {
-    /// Room for `bodies` bodies of one shape each with 8 pairs and 5 contacts each, and no assets.
+    /// Room for `bodies` bodies of one shape each with 8 pairs and 5 contacts each, no joints and no assets.
     pub const fn for_bodies(bodies: u32) -> Self {
         Self {
             bodies,
             shapes: bodies,
             pairs: 64 + 8 * bodies,
             contacts: 32 + 5 * bodies,
+            joints: 0,
             hulls: 0,
             meshes: 0,
             mesh_vertices: 0,
@@ -72,6 +78,7 @@ impl Capacities {
             ("shapes", self.shapes, 1 << 22),
             ("pairs", self.pairs, 1 << 24),
             ("contacts", self.contacts, 1 << 24),
+            ("joints", self.joints, 1 << 22),
             ("hulls", self.hulls, 1 << 16),
             ("meshes", self.meshes, 1 << 16),
             ("mesh_vertices", self.mesh_vertices, 1 << 24),

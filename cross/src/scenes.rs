@@ -48,6 +48,7 @@ const fn room(bodies: u32) -> Capacities {
         hulls: 8,
         meshes: 2,
         mesh_vertices: 512,
+        joints: 0,
         mesh_triangles: 512,
         ..Capacities::for_bodies(bodies)
     }

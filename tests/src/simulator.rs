@@ -37,6 +37,7 @@ pub const CAPACITIES: Capacities = Capacities {
     hulls: 2,
     meshes: 1,
     mesh_vertices: 25,
+    joints: 0,
     mesh_triangles: 32,
 };
 

@@ -5,14 +5,16 @@ use crate::cells::{IMMOVABLE, Link};
 use crate::config::{CONTACT_COUPLING, ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
 use crate::constraint::row::{Bias, LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
+use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
 use crate::pipeline::integration::locked_or_free_root;
+use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::Mover;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
-use crate::pipeline::solver::{self, take};
+use crate::pipeline::solver::{self, JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
@@ -36,6 +38,11 @@ pub(crate) struct Scene<'a> {
     pub contacts: &'a [ContactRow],
     pub memos: &'a [Memo],
     pub touches: &'a [Touch],
+    pub joints: &'a [JointRow],
+    /// Slots of the joints that are links.
+    pub joint_slots: &'a [u32],
+    /// Index among the active bodies by slot.
+    pub active_of: &'a [u32],
     pub softness: &'a Softnesses,
     pub bias: Bias,
     pub substep: f32,
@@ -126,6 +133,9 @@ pub(crate) fn fill<E: Executor>(
         contacts: state.contacts,
         memos: &cache.memos[cache.header[0].memo_half as usize * state.contacts.len()..],
         touches: scratch.touches,
+        joints: state.joints,
+        joint_slots: scratch.joint_slots,
+        active_of: scratch.active_of,
         softness: &softness,
         bias: solver::bias(settings),
         substep: settings.substep(),
@@ -137,7 +147,18 @@ pub(crate) fn fill<E: Executor>(
     let mut points = &mut scratch.point_rows[..plan.points];
     let mut seats = &mut scratch.seats[..plan.seats];
     let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize];
-    let (seat_bodies, lanes) = (&*cache.seat_bodies, (&*cache.lane_contacts, &*cache.lane_seats));
+    let mut joints = JointRows {
+        links: &mut scratch.joint_links[..plan.joints],
+        locks: &mut scratch.lock_rows[..plan.locks],
+        bounds: &mut scratch.bound_rows[..plan.bounds],
+    };
+    let lanes = Lanes {
+        seat_bodies: cache.seat_bodies,
+        contacts: cache.lane_contacts,
+        contact_seats: cache.lane_seats,
+        joints: cache.lane_joints,
+        joint_seats: cache.joint_seats,
+    };
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     for groups in groups.chunks_mut(share) {
         let sum = |count: fn(&Group) -> u32| groups.iter().map(count).sum::<u32>() as usize;
@@ -147,11 +168,21 @@ pub(crate) fn fill<E: Executor>(
             points: take(&mut points, sum(|g| g.points)),
             seats: take(&mut seats, sum(|g| g.seats)),
             movers: take(&mut movers, movers_count),
+            joints: joints.take_all(groups),
             groups,
         };
         push(&mut tasks, task);
     }
-    crew.run(Stage::Assembly, &mut tasks, |task| task.fill(&scene, seat_bodies, lanes));
+    crew.run(Stage::Assembly, &mut tasks, |task| task.fill(&scene, &lanes));
+}
+
+/// What lies in which lane, and in which seat.
+struct Lanes<'a> {
+    seat_bodies: &'a [u32],
+    contacts: &'a [[u32; LANES]],
+    contact_seats: &'a [[u32; 2 * LANES]],
+    joints: &'a [[u32; LANES]],
+    joint_seats: &'a [[u32; 2 * LANES]],
 }
 
 /// Groups in a row, of one or more phases, and what is theirs.
@@ -161,27 +192,28 @@ struct Task<'a> {
     points: &'a mut [PointRow],
     seats: &'a mut [Seat],
     movers: &'a mut [Mover],
+    joints: JointRows<'a>,
 }
 
 impl Task<'_> {
-    fn fill(
-        &mut self,
-        scene: &Scene<'_>,
-        seat_bodies: &[u32],
-        (lane_contacts, lane_seats): (&[[u32; LANES]], &[[u32; 2 * LANES]]),
-    ) {
+    fn fill(&mut self, scene: &Scene<'_>, lanes: &Lanes<'_>) {
         let (mut links, mut points) = (&mut *self.links, &mut *self.points);
         let (mut seats, mut movers) = (&mut *self.seats, &mut *self.movers);
         for group in self.groups.iter_mut() {
             let own_seats = take(&mut seats, group.seats as usize);
-            let bodies = &seat_bodies[group.first_seat as usize..][..own_seats.len()];
+            let bodies = &lanes.seat_bodies[group.first_seat as usize..][..own_seats.len()];
             let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
+            let mut joints = self.joints.take(group);
+            for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
+                joints::fill(scene, &mut joints, (&lanes.joints[row], &lanes.joint_seats[row]));
+            }
             let mut own_points = take(&mut points, group.points as usize);
             group.bounces = 0;
             let first = group.first_row as usize;
             for (i, row) in take(&mut links, group.rows as usize).iter_mut().enumerate() {
-                rows::fill(scene, row, (&lane_contacts[first + i], &lane_seats[first + i]), &mut own_points);
+                let lanes = (&lanes.contacts[first + i], &lanes.contact_seats[first + i]);
+                rows::fill(scene, row, lanes, &mut own_points);
                 group.bounces |= row.bounces;
             }
         }

@@ -17,6 +17,7 @@ use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
 use crate::shape::{BOX_STALE, ShapeRow};
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Scratch, State};
+use crate::world::are_joined;
 
 /// Marks a slot without a shape among the marks of moved shapes.
 const GONE: u8 = 2;
@@ -221,6 +222,7 @@ fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
         && (dynamic(sa) || dynamic(sb))
         && (sa.is_convex() || sb.is_convex())
         && sa.filter.meets(&sb.filter)
+        && !are_joined(state, sa.body, sb.body)
 }
 
 fn key(a: u32, b: u32) -> u64 {

@@ -10,6 +10,7 @@ use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::Counts;
 use crate::pipeline::integration;
+use crate::pipeline::joints::begin_anew;
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::Mover;
 use crate::pipeline::seat::Seat;
@@ -219,6 +220,11 @@ fn drop_shapes_of_quarantined(state: &mut State<'_>) {
             if state.bodies[shape.body as usize].has(body::QUARANTINED) {
                 shape.flags |= BOX_STALE | crate::shape::FRESH;
             }
+        }
+    }
+    for slot in 0..state.first_joints.len() as u32 {
+        if state.bodies[slot as usize].has(body::QUARANTINED) {
+            begin_anew(state, slot);
         }
     }
 }

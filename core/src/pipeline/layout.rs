@@ -4,8 +4,12 @@
 //! `k` of a group holds the `k`-th link of each of its chains. Blocks of a phase share no dynamic body, so the
 //! lanes never meet; and a block's links keep their order, so neither the dealing nor the number of lanes changes
 //! a bit.
+//!
+//! Joints come before contacts, and have rows of their own, in which all lanes have the same signature; a lane
+//! whose chain has no such joint left is empty there.
 
 use crate::cells::{Block, IMMOVABLE, Link, PHASES_MAX};
+use crate::joint::Signature;
 use crate::lanes::LANES;
 use crate::pipeline::seat::OWN;
 use crate::pipeline::tasks::TASKS_MAX;
@@ -36,6 +40,14 @@ pub(crate) struct Group {
     pub points: u32,
     /// 1 when some link of the group may bounce.
     pub bounces: u32,
+    pub first_joint: u32,
+    pub joints: u32,
+    pub first_lock: u32,
+    pub locks: u32,
+    pub first_bound: u32,
+    pub bounds: u32,
+    /// Zero.
+    pub reserved: [u32; 2],
 }
 
 /// Groups of one phase.
@@ -59,17 +71,39 @@ pub(crate) struct Plan {
     pub seats: usize,
     pub rows: usize,
     pub points: usize,
+    /// Rows of joints, and their rows that hold and that have bounds.
+    pub joints: usize,
+    pub locks: usize,
+    pub bounds: usize,
     pub blocks: usize,
+}
+
+/// The kind of a contact's link, to which 4 less its points is added; those below are signatures of joints.
+const CONTACT_KIND: u32 = 1 << 27;
+
+/// The kind of a contact with so many points: neighbours in a lane should have as many, more points first.
+pub(crate) fn contact_kind(points: usize) -> u32 {
+    CONTACT_KIND + 4 - points as u32
+}
+
+/// The points of a contact by its kind.
+fn points_of(link: &Link) -> u32 {
+    CONTACT_KIND + 4 - link.kind
 }
 
 /// Most groups of any schedule.
 pub(crate) const fn groups_max(c: &Capacities) -> usize {
-    PHASES_MAX + c.contacts as usize / GROUP_LINKS + c.bodies as usize / GROUP_BODIES + 2
+    PHASES_MAX + links_max(c) / GROUP_LINKS + c.bodies as usize / GROUP_BODIES + 2
+}
+
+/// Most links of a step: contacts, then joints.
+pub(crate) const fn links_max(c: &Capacities) -> usize {
+    c.contacts as usize + c.joints as usize
 }
 
 /// Most seats of any schedule: each body once in phase 0, two for each link of a later phase, and the lanes' own.
 pub(crate) const fn seats_max(c: &Capacities) -> usize {
-    c.bodies as usize + 2 * c.contacts as usize + LANES * groups_max(c)
+    c.bodies as usize + 2 * links_max(c) + LANES * groups_max(c)
 }
 
 /// Most seats of phase 0.
@@ -81,6 +115,8 @@ pub(crate) const fn first_phase_seats_max(c: &Capacities) -> usize {
 #[derive(Clone, Copy)]
 pub(crate) struct Schedule<'a> {
     pub links: &'a [Link],
+    /// How many of the links are contacts: the first ones.
+    pub contacts: u32,
     pub order: &'a [u32],
     pub blocks: &'a [Block],
     pub bodies: u32,
@@ -93,6 +129,12 @@ pub(crate) struct Tables<'a> {
     /// Seats of bodies A and then B of each lane, from the group's first.
     pub lane_seats: &'a mut [[u32; 2 * LANES]],
     pub contact_places: &'a mut [u32],
+    /// The same for joints, by their place among the links that are joints.
+    pub lane_joints: &'a mut [[u32; LANES]],
+    pub joint_seats: &'a mut [[u32; 2 * LANES]],
+    pub joint_places: &'a mut [u32],
+    /// For sorting.
+    pub joint_keys: &'a mut [u64],
     pub seat_sources: &'a mut [u32],
     pub seat_bodies: &'a mut [u32],
     pub last_seats: &'a mut [u32],
@@ -103,11 +145,7 @@ pub(crate) struct Tables<'a> {
 }
 
 /// Lays out a schedule. Seats, rows and points come phase by phase, group by group.
-pub(crate) fn lay_out(
-    schedule: &Schedule<'_>,
-    tables: &mut Tables<'_>,
-    points_of: impl Fn(u32) -> u32,
-) -> Plan {
+pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>) -> Plan {
     let mut plan = Plan {
         phases: [Phase::default(); PHASES_MAX],
         phase_count: 0,
@@ -115,6 +153,9 @@ pub(crate) fn lay_out(
         seats: 0,
         rows: 0,
         points: 0,
+        joints: 0,
+        locks: 0,
+        bounds: 0,
         blocks: schedule.blocks.len(),
     };
     tables.last_seats[..schedule.bodies as usize].fill(OWN);
@@ -126,7 +167,7 @@ pub(crate) fn lay_out(
         assert!(count > 0 || phase == 0, "phases ascend without gaps");
         let (own, rest) = blocks.split_at(count);
         blocks = rest;
-        lay_out_phase(schedule, own, tables, (&mut plan, &points_of));
+        lay_out_phase(schedule, own, tables, &mut plan);
     }
     // What phase 0 pulls from: the last seat of each body, unless it is its only one.
     let first = plan.phases[0].seats as usize;
@@ -140,37 +181,26 @@ pub(crate) fn lay_out(
     plan
 }
 
-fn lay_out_phase(
-    schedule: &Schedule<'_>,
-    blocks: &[Block],
-    tables: &mut Tables<'_>,
-    (plan, points_of): (&mut Plan, &impl Fn(u32) -> u32),
-) {
+fn lay_out_phase(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<'_>, plan: &mut Plan) {
     let first_seat = plan.seats;
     let first_group = plan.groups;
     let links: usize = blocks.iter().map(|block| block.count as usize).sum();
     // A group takes eight chains, and a chain a block at least: few long blocks make no more groups.
     let group_count = links.div_ceil(GROUP_LINKS).min(blocks.len().div_ceil(LANES)).min(LINK_GROUPS_MAX);
-    let loads = deal(blocks, group_count, tables.block_chains);
+    let mut loads = deal(blocks, group_count, tables.block_chains);
+    let joints = list_joints(schedule, blocks, tables, &mut loads);
     for g in 0..group_count {
         let rows = loads[g * LANES..(g + 1) * LANES].iter().copied().max().unwrap_or(0);
-        tables.groups[plan.groups] = Group {
-            phase: plan.phase_count as u32,
-            first_seat: 0,
-            seats: 0,
-            first_row: plan.rows as u32,
-            rows,
-            first_point: 0,
-            points: 0,
-            bounces: 0,
-        };
+        tables.groups[plan.groups] =
+            Group { phase: plan.phase_count as u32, first_row: plan.rows as u32, rows, ..Group::zeroed() };
         tables.lane_contacts[plan.rows..plan.rows + rows as usize].fill([EMPTY; LANES]);
         plan.groups += 1;
         plan.rows += rows as usize;
     }
     place(schedule, blocks, tables, first_group);
+    place_joints(schedule, tables, (plan, first_group), joints);
     for g in first_group..plan.groups {
-        seat_group(schedule, tables, (plan, g), (first_seat as u32, points_of));
+        seat_group(schedule, tables, (plan, g), first_seat as u32);
     }
     if plan.phase_count == 0 {
         seat_free_bodies(schedule.bodies, tables, plan);
@@ -222,7 +252,90 @@ fn sink(heap: &mut [(u32, u32)], entry: (u32, u32)) {
     heap[at] = entry;
 }
 
-/// Writes each link's contact to its row and lane. Links and contacts have the same indices.
+/// Number of joints of a block: they come first in it.
+fn joints_of(schedule: &Schedule<'_>, block: &Block) -> u32 {
+    let links = &schedule.order[block.first as usize..(block.first + block.count) as usize];
+    links.iter().take_while(|&&link| link >= schedule.contacts).count() as u32
+}
+
+/// Bits of a key of a joint, from the highest: group 7, signature 27, lane 3, place in the order 27.
+const LANE_SHIFT: u32 = 27;
+const SIGNATURE_SHIFT: u32 = 30;
+const GROUP_SHIFT: u32 = 57;
+
+/// Writes a key for each joint of a phase, and takes them off the loads of their chains. Returns how many they are.
+fn list_joints(
+    schedule: &Schedule<'_>,
+    blocks: &[Block],
+    tables: &mut Tables<'_>,
+    loads: &mut [u32; LINK_GROUPS_MAX * LANES],
+) -> usize {
+    let mut count = 0;
+    if schedule.links.len() as u32 == schedule.contacts {
+        return count;
+    }
+    for (block, &chain) in blocks.iter().zip(&*tables.block_chains) {
+        let joints = joints_of(schedule, block);
+        loads[chain as usize] -= joints;
+        let (group, lane) = (u64::from(chain) / LANES as u64, u64::from(chain) % LANES as u64);
+        for place in block.first..block.first + joints {
+            let signature = u64::from(schedule.links[schedule.order[place as usize] as usize].kind);
+            tables.joint_keys[count] =
+                group << GROUP_SHIFT | signature << SIGNATURE_SHIFT | lane << LANE_SHIFT | u64::from(place);
+            count += 1;
+        }
+    }
+    tables.joint_keys[..count].sort_unstable();
+    count
+}
+
+/// Writes each joint to its row and lane: rows of one signature after those of another.
+fn place_joints(
+    schedule: &Schedule<'_>,
+    tables: &mut Tables<'_>,
+    (plan, first_group): (&mut Plan, usize),
+    joints: usize,
+) {
+    let mut lengths = [0_u32; LANES];
+    let mut before = u64::MAX;
+    let mut base = plan.joints as u32;
+    for i in 0..joints {
+        let key = tables.joint_keys[i];
+        let group = &mut tables.groups[first_group + (key >> GROUP_SHIFT) as usize];
+        if key >> SIGNATURE_SHIFT != before {
+            before = key >> SIGNATURE_SHIFT;
+            (base, lengths) = (plan.joints as u32, [0; LANES]);
+        }
+        if group.joints == 0 {
+            group.first_joint = plan.joints as u32;
+            (group.first_lock, group.first_bound) = (plan.locks as u32, plan.bounds as u32);
+        }
+        let lane = (key >> LANE_SHIFT) as usize % LANES;
+        let row = base + lengths[lane];
+        lengths[lane] += 1;
+        if row as usize == plan.joints {
+            let link = &schedule.links[schedule.order[order_of(key)] as usize];
+            let signature = Signature(link.kind);
+            tables.lane_joints[plan.joints] = [EMPTY; LANES];
+            plan.joints += 1;
+            plan.locks += signature.lock_rows();
+            plan.bounds += signature.bound_rows();
+            group.joints += 1;
+            group.locks += signature.lock_rows() as u32;
+            group.bounds += signature.bound_rows() as u32;
+        }
+        let joint = schedule.order[order_of(key)] - schedule.contacts;
+        tables.lane_joints[row as usize][lane] = joint;
+        tables.joint_places[joint as usize] = row * LANES as u32 + lane as u32;
+    }
+}
+
+/// The place in the order that a key of a joint names.
+fn order_of(key: u64) -> usize {
+    (key & ((1 << LANE_SHIFT) - 1)) as usize
+}
+
+/// Writes each contact to its row and lane. Links and contacts have the same indices.
 fn place(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<'_>, first_group: usize) {
     let mut lengths = [0_u32; LINK_GROUPS_MAX * LANES];
     for (i, block) in blocks.iter().enumerate() {
@@ -230,9 +343,12 @@ fn place(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<'_>, fir
         let (group, lane) = (chain / LANES, chain % LANES);
         let first_row = tables.groups[first_group + group].first_row;
         for k in block.first..block.first + block.count {
+            let link = schedule.order[k as usize];
+            if link >= schedule.contacts {
+                continue;
+            }
             let row = first_row + lengths[chain];
             lengths[chain] += 1;
-            let link = schedule.order[k as usize];
             tables.lane_contacts[row as usize][lane] = link;
             tables.contact_places[link as usize] = row * LANES as u32 + lane as u32;
         }
@@ -244,7 +360,7 @@ fn seat_group(
     schedule: &Schedule<'_>,
     tables: &mut Tables<'_>,
     (plan, g): (&mut Plan, usize),
-    (phase_first_seat, points_of): (u32, &impl Fn(u32) -> u32),
+    phase_first_seat: u32,
 ) {
     let first_seat = plan.seats as u32;
     for _ in 0..LANES {
@@ -252,25 +368,18 @@ fn seat_group(
         tables.seat_sources[plan.seats] = OWN;
         plan.seats += 1;
     }
-    let mut points = 0;
     let group = tables.groups[g];
+    for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
+        let links = tables.lane_joints[row]
+            .map(|joint| if joint == EMPTY { EMPTY } else { joint + schedule.contacts });
+        tables.joint_seats[row] = seat_row(schedule, tables, plan, (&links, phase_first_seat, first_seat));
+    }
+    let mut points = 0;
     for row in group.first_row as usize..(group.first_row + group.rows) as usize {
-        let mut most = 0;
-        for lane in 0..LANES {
-            let contact = tables.lane_contacts[row][lane];
-            let mut ends = [lane as u32; 2];
-            if contact != EMPTY {
-                most = points_of(contact).max(most);
-                let link = schedule.links[contact as usize];
-                for (end, body) in ends.iter_mut().zip([link.a, link.b]) {
-                    if body != IMMOVABLE {
-                        *end = take_seat(body, tables, plan, phase_first_seat) - first_seat;
-                    }
-                }
-            }
-            (tables.lane_seats[row][lane], tables.lane_seats[row][LANES + lane]) = (ends[0], ends[1]);
-        }
-        points += most;
+        let links = tables.lane_contacts[row];
+        let live = links.iter().filter(|&&link| link != EMPTY);
+        points += live.map(|&link| points_of(&schedule.links[link as usize])).max().unwrap_or(0);
+        tables.lane_seats[row] = seat_row(schedule, tables, plan, (&links, phase_first_seat, first_seat));
     }
     let group = &mut tables.groups[g];
     group.first_seat = first_seat;
@@ -278,6 +387,28 @@ fn seat_group(
     group.first_point = plan.points as u32;
     group.points = points;
     plan.points += points as usize;
+}
+
+/// The seats of a row's bodies, A's and then B's, from the group's first; immovable ones share the lane's own.
+fn seat_row(
+    schedule: &Schedule<'_>,
+    tables: &mut Tables<'_>,
+    plan: &mut Plan,
+    (links, phase_first_seat, first_seat): (&[u32; LANES], u32, u32),
+) -> [u32; 2 * LANES] {
+    let mut seats: [u32; 2 * LANES] = core::array::from_fn(|i| (i % LANES) as u32);
+    for (lane, &link) in links.iter().enumerate() {
+        if link == EMPTY {
+            continue;
+        }
+        let link = schedule.links[link as usize];
+        for (end, body) in [link.a, link.b].into_iter().enumerate() {
+            if body != IMMOVABLE {
+                seats[end * LANES + lane] = take_seat(body, tables, plan, phase_first_seat) - first_seat;
+            }
+        }
+    }
+    seats
 }
 
 /// The body's seat in this phase, a new one if it has none yet.
@@ -309,14 +440,10 @@ fn seat_free_bodies(bodies: u32, tables: &mut Tables<'_>, plan: &mut Plan) {
         }
         if open == 0 {
             tables.groups[plan.groups] = Group {
-                phase: 0,
                 first_seat: plan.seats as u32,
-                seats: 0,
                 first_row: plan.rows as u32,
-                rows: 0,
                 first_point: plan.points as u32,
-                points: 0,
-                bounces: 0,
+                ..Group::zeroed()
             };
             plan.groups += 1;
             open = share;

@@ -4,71 +4,159 @@
 //! every contact has as many points as before, the layout of the step before serves again.
 
 use crate::cells::{self, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDERED, Upkeep};
+use crate::config::Settings;
+use crate::joint::{BROKEN, JointRow};
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
-use crate::state::{Cache, Scratch, State};
+use crate::state::{Cache, CacheHeader, Scratch, State};
 
 /// Orders the links and lays them out in seats and lanes. A `scheduler` replaces the cellular ordering for
 /// this step.
 pub(crate) fn run<S: Scheduler>(
     state: &mut State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    (change, block_links, bodies): (&Change, u32, usize),
+    (change, links, settings): (&Change, Links, &Settings),
     scheduler: Option<&mut S>,
 ) -> Plan {
-    let count = state.header[0].contacts as usize;
-    let kept = keep(state, (cache, scratch), change, block_links);
+    let count = links.contacts + links.joints;
+    let kept = keep(state, (cache, scratch), (change, links), settings.block_links);
     let header = &cache.header[0];
-    let same_size = header.laid_out as usize == count + 1 && header.laid_out_bodies as usize == bodies;
+    let same_size = header.laid_out as usize == count + 1 && header.laid_out_bodies as usize == links.bodies;
     if kept && scheduler.is_none() && same_size && cache.links[..count] == scratch.links[..count] {
         return cache.plan[0];
     }
     // A layout by another ordering serves one step only.
     cache.header[0].laid_out = if scheduler.is_none() { count as u32 + 1 } else { 0 };
-    cache.header[0].laid_out_bodies = bodies as u32;
-    let blocks = schedule(cache, scratch, (bodies, count), scheduler);
-    let plan = lay_out(cache, scratch, (bodies, count, blocks));
+    cache.header[0].laid_out_bodies = links.bodies as u32;
+    let blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
+    let plan = lay_out(cache, scratch, (links, blocks));
     cache.links[..count].copy_from_slice(&scratch.links[..count]);
     cache.plan[0] = plan;
     plan
+}
+
+/// How many there are of what is ordered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Links {
+    pub bodies: usize,
+    pub contacts: usize,
+    pub joints: usize,
 }
 
 /// Brings the ordering to the step's links. True when it is that of the step before.
 fn keep(
     state: &mut State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    change: &Change,
+    (change, count): (&Change, Links),
     block_links: u32,
 ) -> bool {
-    let count = state.header[0].contacts as usize;
-    let links = &scratch.slot_links[..count];
-    let phases = &mut scratch.phases[..count];
+    let all = count.contacts + count.joints;
+    let joints = follow_joints(state, scratch, (change.lost, count.joints));
     let fits = cache.header[0].ordering_fits != 0;
-    let same = !change.any && state.ordering[0].is_calm();
+    let same = !change.any && !joints.any && state.ordering[0].is_calm();
     if same && fits {
         return true;
     }
-    let mut upkeep = Upkeep::new(state.bodies.len(), state.contacts.len(), cache.ordering);
-    for (phase, row) in phases.iter_mut().zip(&*state.contacts) {
+    let mut upkeep = Upkeep::new(state.bodies.len(), scratch.links.len(), cache.ordering);
+    let links = &scratch.slot_links[..all];
+    let phases = &mut scratch.phases[..all];
+    for (phase, row) in phases.iter_mut().zip(&state.contacts[..count.contacts]) {
         *phase = row.tag.phase();
+    }
+    let slots = &scratch.joint_slots[..count.joints];
+    for (phase, &slot) in phases[count.contacts..].iter_mut().zip(slots) {
+        *phase = state.joints[slot as usize].phase as u8;
     }
     cache.header[0].ordering_fits = 1;
     if same {
         upkeep.recall(links, phases, state.dirt, scratch.ordering);
+        note_joints((&mut cache.header[0], cache.ordered_joints), (slots, count));
         return true;
     }
-    let from = &mut scratch.contact_from[..count];
+    let from = &mut scratch.contact_from[..all];
     if !change.any {
-        from.iter_mut().zip(0..).for_each(|(from, index)| *from = index);
+        from[..count.contacts].iter_mut().zip(0..).for_each(|(from, index)| *from = index);
     }
+    let before = (&cache.header[0], &*cache.ordered_joints);
+    joints_from(before, (slots, state.joints), &mut from[count.contacts..], fits);
     debug_assert!(from.iter().zip(&*phases).all(|(from, phase)| (*from == NEW) == (*phase == UNORDERED)));
-    let change = cells::Change { links, from, lost: &scratch.lost[..change.lost], cached: fits, block_links };
+    let change = cells::Change { links, from, lost: &scratch.lost[..joints.lost], cached: fits, block_links };
     let ordering = OrderingState { row: &mut state.ordering[0], dirt: state.dirt, phases };
     upkeep.update(&change, ordering, scratch.ordering);
-    for (row, phase) in state.contacts.iter_mut().zip(&*phases) {
+    for (row, phase) in state.contacts.iter_mut().zip(&phases[..count.contacts]) {
         row.tag.set_phase(*phase);
     }
+    for (&slot, phase) in slots.iter().zip(&phases[count.contacts..]) {
+        state.joints[slot as usize].phase = u32::from(*phase);
+    }
+    note_joints((&mut cache.header[0], cache.ordered_joints), (slots, count));
     false
+}
+
+/// Notes the joints of the last update, so that the next one knows them again.
+fn note_joints((header, noted): (&mut CacheHeader, &mut [u32]), (slots, count): (&[u32], Links)) {
+    noted[..slots.len()].copy_from_slice(slots);
+    header.ordered_contacts = count.contacts as u32;
+    header.ordered_joints = slots.len() as u32;
+}
+
+/// Which joints began or ended to be links.
+struct JointChange {
+    any: bool,
+    /// Links that ended, those of contacts included.
+    lost: usize,
+}
+
+/// Takes their phases from joints that are no links any more, and adds their bodies to the `lost`.
+fn follow_joints(
+    state: &mut State<'_>,
+    scratch: &mut Scratch<'_>,
+    (lost, links): (usize, usize),
+) -> JointChange {
+    let mut change = JointChange { any: state.header[0].joints_stale != 0, lost };
+    state.header[0].joints_stale = 0;
+    let mut slots = scratch.joint_slots[..links].iter().copied().peekable();
+    for slot in crate::pool::iterate(state.joint_used, state.header[0].joints.high) {
+        let joint = &mut state.joints[slot as usize];
+        let is_ordered = joint.phase != u32::from(UNORDERED);
+        if slots.next_if_eq(&slot).is_some() {
+            change.any |= !is_ordered;
+        } else if is_ordered {
+            joint.phase = u32::from(UNORDERED);
+            let end = |body: u32| if state.bodies[body as usize].is_dynamic() { body } else { IMMOVABLE };
+            scratch.lost[change.lost] = joint.bodies.map(end);
+            change.lost += 1;
+            change.any = true;
+        }
+    }
+    change
+}
+
+/// Where each joint was among the links of the last update. Without a cache any ascending numbers serve.
+fn joints_from(
+    (header, noted): (&CacheHeader, &[u32]),
+    (slots, joints): (&[u32], &[JointRow]),
+    from: &mut [u32],
+    cached: bool,
+) {
+    let before = &noted[..if cached { header.ordered_joints as usize } else { 0 }];
+    let mut place = 0;
+    for ((from, &slot), index) in from.iter_mut().zip(slots).zip(0_u32..) {
+        *from = NEW;
+        if joints[slot as usize].phase == u32::from(UNORDERED) {
+            continue;
+        }
+        if !cached {
+            // More than any contact had.
+            *from = u32::MAX / 2 + index;
+            continue;
+        }
+        while before.get(place).is_some_and(|&old| old < slot) {
+            place += 1;
+        }
+        debug_assert!(before.get(place) == Some(&slot), "an ordered joint was in the last update");
+        *from = header.ordered_contacts + place as u32;
+    }
 }
 
 /// Writes the schedule; returns the number of blocks.
@@ -96,23 +184,24 @@ fn schedule<S: Scheduler>(
     schedule.block_count
 }
 
-fn lay_out(
-    cache: &mut Cache<'_>,
-    scratch: &mut Scratch<'_>,
-    (bodies, count, blocks): (usize, usize, usize),
-) -> Plan {
-    let links = &scratch.links[..count];
+fn lay_out(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, (links, blocks): (Links, usize)) -> Plan {
+    let count = links.contacts + links.joints;
     let schedule = layout::Schedule {
-        links,
+        links: &scratch.links[..count],
+        contacts: links.contacts as u32,
         order: &scratch.order[..count],
         blocks: &scratch.blocks[..blocks],
-        bodies: bodies as u32,
+        bodies: links.bodies as u32,
     };
     let mut tables = layout::Tables {
         groups: cache.groups,
         lane_contacts: cache.lane_contacts,
         lane_seats: cache.lane_seats,
         contact_places: cache.contact_places,
+        lane_joints: cache.lane_joints,
+        joint_seats: cache.joint_seats,
+        joint_places: cache.joint_places,
+        joint_keys: scratch.joint_keys,
         seat_sources: cache.seat_sources,
         seat_bodies: cache.seat_bodies,
         last_seats: cache.last_seats,
@@ -120,18 +209,39 @@ fn lay_out(
         first_seats: cache.first_seats,
         block_chains: scratch.block_chains,
     };
-    layout::lay_out(&schedule, &mut tables, |contact| 4 - links[contact as usize].kind)
+    layout::lay_out(&schedule, &mut tables)
 }
 
-/// Writes the links of the step, between active bodies for the layout and between slots for the ordering.
-pub(crate) fn write_links(state: &State<'_>, scratch: &mut Scratch<'_>) {
-    for (i, row) in state.contacts[..state.header[0].contacts as usize].iter().enumerate() {
-        let slots = scratch.touches[i].shapes.map(|shape| state.shapes[shape as usize].body);
-        let active = slots.map(|slot| scratch.active_of[slot as usize]);
-        // Links with more points first: neighbours in a lane should have as many.
-        let kind = 4 - row.tag.points() as u32;
+/// Writes the links of the step, between active bodies for the layout and between slots for the ordering: contacts,
+/// then joints that hold a dynamic body. Returns the numbers of both.
+pub(crate) fn write_links(state: &State<'_>, scratch: &mut Scratch<'_>) -> (usize, usize) {
+    let contacts = state.header[0].contacts as usize;
+    let active_of = &*scratch.active_of;
+    let ends = |slots: [u32; 2], kind: u32| {
+        let active = slots.map(|slot| active_of[slot as usize]);
         let b = if active[1] == IMMOVABLE { IMMOVABLE } else { slots[1] };
-        scratch.links[i] = Link { a: active[0], b: active[1], kind };
-        scratch.slot_links[i] = Link { a: slots[0], b, kind };
+        (Link { a: active[0], b: active[1], kind }, Link { a: slots[0], b, kind })
+    };
+    for (i, row) in state.contacts[..contacts].iter().enumerate() {
+        let slots = scratch.touches[i].shapes.map(|shape| state.shapes[shape as usize].body);
+        (scratch.links[i], scratch.slot_links[i]) = ends(slots, layout::contact_kind(row.tag.points()));
     }
+    let mut joints = 0;
+    for slot in crate::pool::iterate(state.joint_used, state.header[0].joints.high) {
+        let joint = &state.joints[slot as usize];
+        let signature = joint.signature();
+        let [a, b] = joint.bodies;
+        let holds = signature.lock_rows() + signature.bound_rows() > 0 && !joint.has(BROKEN);
+        let moves = active_of[a as usize] != IMMOVABLE || active_of[b as usize] != IMMOVABLE;
+        if !holds || !moves {
+            continue;
+        }
+        // The first end of a link moves.
+        let slots = if active_of[a as usize] == IMMOVABLE { [b, a] } else { [a, b] };
+        let i = contacts + joints;
+        (scratch.links[i], scratch.slot_links[i]) = ends(slots, signature.0);
+        scratch.joint_slots[joints] = slot;
+        joints += 1;
+    }
+    (contacts, joints)
 }

@@ -4,8 +4,9 @@
 //! [`Lane`]. An empty lane reads zeros, and every divisor is guarded, so its row is zero.
 
 use crate::cells::IMMOVABLE;
-use crate::constraint::contact::{free_axes, press_mass, root_times};
+use crate::constraint::contact::press_mass;
 use crate::constraint::row::{LinkRow, PointRow};
+use crate::constraint::velocities::{free_axes, root_times};
 use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, transpose};
 use crate::math::{Vec3, max};
 use crate::pipeline::assembly::Scene;

@@ -8,6 +8,7 @@
 
 use crate::config::Settings;
 use crate::constraint::contact::{self, Pass, Sweep};
+use crate::constraint::joint::{self, BoundRow, JointLink, LockRow};
 use crate::constraint::row::{Bias, LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::pipeline::layout::{Group, Plan};
@@ -21,9 +22,50 @@ pub(crate) struct Rows<'a> {
     pub groups: &'a [Group],
     pub links: &'a mut [LinkRow],
     pub points: &'a mut [PointRow],
+    pub joints: JointRows<'a>,
     pub seats: &'a mut [Seat],
     pub sources: &'a [u32],
     pub movers: &'a mut [Mover],
+}
+
+/// Rows of joints.
+#[derive(Default)]
+pub(crate) struct JointRows<'a> {
+    pub links: &'a mut [JointLink],
+    pub locks: &'a mut [LockRow],
+    pub bounds: &'a mut [BoundRow],
+}
+
+impl<'a> JointRows<'a> {
+    /// The rows from those of the first of some groups on.
+    fn from(self, groups: &[Group]) -> Self {
+        let Some(first) = groups.iter().find(|group| group.joints > 0) else { return Self::default() };
+        Self {
+            links: &mut self.links[first.first_joint as usize..],
+            locks: &mut self.locks[first.first_lock as usize..],
+            bounds: &mut self.bounds[first.first_bound as usize..],
+        }
+    }
+
+    /// The same rows, for a while.
+    fn reborrow(&mut self) -> JointRows<'_> {
+        JointRows { links: self.links, locks: self.locks, bounds: self.bounds }
+    }
+
+    /// Cuts the rows of groups in a row off.
+    pub fn take_all(&mut self, groups: &[Group]) -> JointRows<'a> {
+        let sum = |count: fn(&Group) -> u32| groups.iter().map(count).sum::<u32>() as usize;
+        JointRows {
+            links: take(&mut self.links, sum(|group| group.joints)),
+            locks: take(&mut self.locks, sum(|group| group.locks)),
+            bounds: take(&mut self.bounds, sum(|group| group.bounds)),
+        }
+    }
+
+    /// Cuts the rows of a group off.
+    pub fn take(&mut self, group: &Group) -> JointRows<'a> {
+        self.take_all(core::slice::from_ref(group))
+    }
 }
 
 /// What phase 0 does with its bodies before the rows.
@@ -45,6 +87,7 @@ struct Task<'a> {
     sources: &'a [u32],
     /// Empty after phase 0.
     movers: &'a mut [Mover],
+    joints: JointRows<'a>,
     links: &'a mut [LinkRow],
     points: &'a mut [PointRow],
 }
@@ -104,7 +147,8 @@ fn run_phase<E: Executor>(
     let others = OtherSeats { before, after, end };
     let groups = &rows.groups[phase.first_group as usize..(phase.first_group + phase.groups) as usize];
     let movers = if index == 0 { &mut rows.movers[..end] } else { &mut [] };
-    let mut tasks = cut(groups, (own, &rows.sources[first..end], movers), (rows.links, rows.points));
+    let joints = rows.joints.reborrow();
+    let mut tasks = cut(groups, (own, &rows.sources[first..end], movers), (rows.links, rows.points, joints));
     crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
 }
 
@@ -112,12 +156,13 @@ fn run_phase<E: Executor>(
 fn cut<'a>(
     groups: &[Group],
     (mut seats, mut sources, mut movers): (&'a mut [Seat], &'a [u32], &'a mut [Mover]),
-    (links, points): (&'a mut [LinkRow], &'a mut [PointRow]),
+    (links, points, joints): (&'a mut [LinkRow], &'a mut [PointRow], JointRows<'a>),
 ) -> Tasks<Task<'a>> {
     let mut tasks = Tasks::new();
     let Some(front) = groups.first() else { return tasks };
     let mut links = &mut links[front.first_row as usize..];
     let mut points = &mut points[front.first_point as usize..];
+    let mut joints = joints.from(groups);
     for group in groups {
         let count = group.seats as usize;
         let task = Task {
@@ -131,6 +176,7 @@ fn cut<'a>(
                 let count = if movers.is_empty() { 0 } else { count };
                 take(&mut movers, count)
             },
+            joints: joints.take(group),
             links: take(&mut links, group.rows as usize),
             points: take(&mut points, group.points as usize),
         };
@@ -162,11 +208,18 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
             }
         }
     }
-    contact::visit(sweep, task.links, task.points, task.seats);
+    sweep_rows(task, sweep);
     // The chains of a group share no body: visiting the group again is visiting each of its blocks again.
     let again =
         Sweep { pass: if sweep.pass == Pass::Relax { Pass::RelaxAgain } else { sweep.pass }, ..*sweep };
     for _ in 1..sweep.visits {
-        contact::visit(&again, task.links, task.points, task.seats);
+        sweep_rows(task, &again);
     }
+}
+
+/// Joints first: the errors of contacts are the visible ones.
+fn sweep_rows(task: &mut Task<'_>, sweep: &Sweep) {
+    let JointRows { links, locks, bounds } = &mut task.joints;
+    joint::visit(sweep, links, (locks, bounds), task.seats);
+    contact::visit(sweep, task.links, task.points, task.seats);
 }

@@ -1,6 +1,7 @@
 //! Creating, changing and reading bodies.
 
 use super::World;
+use super::joints::remove_joints_of;
 use crate::arena::Line;
 use crate::body::{
     self, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
@@ -64,14 +65,15 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(BodyHandle { index: slot, generation: state.body_generations[index] })
     }
 
-    /// Removes a body and its shapes.
+    /// Removes a body, its shapes and its joints.
     ///
     /// # Errors
     /// [`Error::Stale`].
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
         self.touch_trees();
-        let state = self.state_view();
+        let mut state = self.state_view();
+        remove_joints_of(&mut state, slot as u32);
         let mut shape = state.bodies[slot].first_shape;
         while shape != u32::MAX {
             let next = state.shapes[shape as usize].next;
@@ -285,8 +287,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             state.motions[slot].angular = Vec3::ZERO;
         }
         state.bodies[slot].stance = state.motions[slot].rotation.pack();
-        // Links of the ordering have other ends now: the contacts begin anew.
+        // Links of the ordering have other ends now: contacts and joints begin anew.
         mark_shapes(&mut state, slot, BOX_STALE | FRESH);
+        crate::pipeline::joints::begin_anew(&mut state, slot as u32);
         Ok(())
     }
 

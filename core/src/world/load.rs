@@ -1,5 +1,7 @@
 //! Taking state from bytes of unknown origin: accepted exactly, or refused.
 
+mod joints;
+
 use super::World;
 use super::snapshot::{Section, check_content, parts};
 use crate::arena::Line;
@@ -7,6 +9,7 @@ use crate::body::{self, BodyKind, BodyRow, FLAGS_ALL, Motion};
 use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
+use crate::joint::JointRow;
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::meeting;
 use crate::pool::{Marks, words};
@@ -56,12 +59,17 @@ struct Parts<'a> {
     pairs: Rows<'a, Pair>,
     contacts: Rows<'a, ContactRow>,
     dirt: Rows<'a, u8>,
+    joints: Rows<'a, JointRow>,
+    joint_generations: Rows<'a, u32>,
+    joint_used: Rows<'a, u64>,
+    first_joints: Rows<'a, u32>,
 }
 
 /// What rows may refer to.
 struct Limits<'a> {
     bodies: u32,
     shapes: u32,
+    joints: u32,
     hulls: u32,
     meshes: u32,
     /// The assets, by which settled contacts are checked.
@@ -98,6 +106,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             contacts,
             _,
             dirt,
+            joints,
+            joint_generations,
+            joint_used,
+            first_joints,
         ] = parts(snapshot, &sections);
         let parts = Parts {
             header,
@@ -111,11 +123,16 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             pairs: Rows::new(pairs),
             contacts: Rows::new(contacts),
             dirt: Rows::new(dirt),
+            joints: Rows::new(joints),
+            joint_generations: Rows::new(joint_generations),
+            joint_used: Rows::new(joint_used),
+            first_joints: Rows::new(first_joints),
         };
         let assets = self.layout.assets.header.of(self.bytes())[0];
         let limits = Limits {
             bodies: self.capacities.bodies,
             shapes: self.capacities.shapes,
+            joints: self.capacities.joints,
             hulls: assets.hulls,
             meshes: assets.meshes,
             tables: self.asset_tables(),
@@ -142,7 +159,8 @@ impl Parts<'_> {
         }
         self.check_lists()?;
         self.check_pairs()?;
-        self.check_contacts(&limits.tables)
+        self.check_contacts(&limits.tables)?;
+        self.check_joints(limits)
     }
 
     fn body_is_used(&self, slot: u32) -> bool {

@@ -49,7 +49,7 @@ impl Section {
 }
 
 /// How many sections the state has.
-pub(super) const SECTIONS: usize = 12;
+pub(super) const SECTIONS: usize = 16;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
@@ -58,6 +58,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub(super) fn sections_for(&self, header: &Header) -> [Section; SECTIONS] {
         let s = &self.layout.state;
         let (bodies, shapes) = (header.bodies.high as usize, header.shapes.high as usize);
+        let joints = header.joints.high as usize;
         macro_rules! section {
             ($name:ident, $type:ty, $rows:expr) => {
                 Section {
@@ -81,6 +82,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             section!(contacts, crate::state::ContactRow, header.contacts as usize),
             section!(ordering, crate::cells::OrderingRow, 1),
             section!(dirt, u8, bodies),
+            section!(joints, crate::joint::JointRow, joints),
+            section!(joint_generations, u32, joints),
+            section!(joint_used, u64, words(joints)),
+            section!(first_joints, u32, if self.capacities.joints == 0 { 0 } else { bodies }),
         ]
     }
 
@@ -154,9 +159,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Hash of what decides how the state's bytes are read.
     fn layout_hash(&self) -> u64 {
         let c = &self.capacities;
-        let counts =
-            [c.bodies, c.shapes, c.pairs, c.contacts, c.hulls, c.meshes, c.mesh_vertices, c.mesh_triangles];
-        self.sections().iter().fold(hash(bytemuck::bytes_of(&counts), 0), |sum, section| {
+        let state = [c.bodies, c.shapes, c.pairs, c.contacts, c.joints];
+        let assets = [c.hulls, c.meshes, c.mesh_vertices, c.mesh_triangles];
+        let counts = (bytemuck::bytes_of(&state), bytemuck::bytes_of(&assets));
+        self.sections().iter().fold(hash(counts.1, hash(counts.0, 0)), |sum, section| {
             hash(&(section.size as u64).to_le_bytes(), sum)
         })
     }
@@ -185,6 +191,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             (state.shapes.high, c.shapes),
             (state.pairs, c.pairs),
             (state.contacts, c.contacts),
+            (state.joints.high, c.joints),
         ];
         if marks.iter().any(|(mark, capacity)| mark > capacity) {
             return Err(SnapshotError::Invalid { section: "header", index: 0 });

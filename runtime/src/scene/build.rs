@@ -52,6 +52,7 @@ pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacitie
         hulls: count(scene.hulls.len()),
         meshes: count(scene.meshes.len()),
         mesh_vertices: count(vertices),
+        joints: 0,
         mesh_triangles: count(triangles),
     }
 }

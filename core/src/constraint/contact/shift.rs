@@ -1,7 +1,7 @@
 //! How the arms of a contact follow the slide of its bodies within a step.
 
-use super::root_times;
 use crate::constraint::row::{LinkRow, PointRow};
+use crate::constraint::velocities::root_times;
 use crate::lanes::{Lane, LaneVec, Mask};
 
 /// How B's jacobians change because the point of contact went with A: `r = r0 - slide`, so

@@ -1,0 +1,158 @@
+//! A visit of eight joints: bounds one by one, then the locks at once.
+
+use super::super::contact::Sweep;
+use super::super::velocities::{Velocities, root_times};
+use super::{BoundRow, JointLink, LockRow};
+use crate::lanes::{Lane, LaneVec, Mask};
+
+/// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
+const PIVOT_SHARE: f32 = 1.0e-5;
+
+/// Applies the impulses of the step before.
+pub(super) fn warm<const N: usize>(u: &mut Velocities, locks: &[LockRow; N], bounds: &[BoundRow]) {
+    for row in bounds {
+        row.ways.apply(u, row.impulse);
+    }
+    for row in locks {
+        row.ways.apply(u, row.impulse);
+    }
+}
+
+/// A sweep with position correction.
+pub(super) fn biased<const N: usize>(
+    u: &mut Velocities,
+    link: &mut JointLink,
+    (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
+    sweep: &Sweep,
+) {
+    if link.turns != 0 {
+        u.push(link.turn_push, (link.turn_a, link.turn_b));
+        link.turns = 0;
+    }
+    let curvature = curvature(u, link, sweep.substep);
+    for row in bounds {
+        row.aim(true);
+        let extra = row.ways.direction.dot(curvature);
+        row.solve(u, if row.limits != 0 { extra } else { Lane::ZERO });
+    }
+    for row in locks.iter_mut() {
+        row.aim = row.error * row.rate + row.ways.direction.dot(curvature);
+    }
+    let wanted = core::array::from_fn(|i| locks[i].aim + locks[i].give * locks[i].impulse);
+    solve_locks(u, locks, wanted);
+}
+
+/// A sweep without: what gives still wants its own.
+pub(super) fn relaxed<const N: usize>(u: &mut Velocities, locks: &mut [LockRow; N], bounds: &mut [BoundRow]) {
+    for row in bounds {
+        row.aim(false);
+        row.solve(u, Lane::ZERO);
+    }
+    let wanted = core::array::from_fn(|i| {
+        let row = &locks[i];
+        // A spring keeps its aim; a rigid row leaves the velocity without correction.
+        row.give.greater(Lane::ZERO).keep(row.aim) + row.give * row.impulse
+    });
+    solve_locks(u, locks, wanted);
+}
+
+/// How much faster the points part at the end of a substep than now because the bodies turn: half a substep's
+/// centripetal acceleration.
+#[inline(always)]
+fn curvature(u: &Velocities, link: &JointLink, substep: f32) -> LaneVec {
+    let spin_a = root_times(&link.root_a, u.wa) + link.moves[1];
+    let spin_b = root_times(&link.root_b, u.wb) + link.moves[3];
+    let about_a = spin_a.cross(link.arm_a);
+    let about_b = spin_b.cross(link.arm_b);
+    let half = Lane::splat(0.5 * substep);
+    let turned = (spin_b.cross(about_b) - spin_a.cross(about_a)).times(half);
+    if !link.signature().is_distance() {
+        return turned;
+    }
+    // The line between the points turns too: v^2 / r of what crosses it.
+    let gap = link.centers + link.arm_b - link.arm_a;
+    let along = gap.times(link.inverse_length);
+    let speed = (u.vb + link.moves[2] + about_b) - (u.va + link.moves[0] + about_a);
+    let outward = speed.dot(along);
+    let across = speed.dot(speed) - outward * outward;
+    turned + along.times(half * across * link.inverse_length)
+}
+
+impl BoundRow {
+    /// Brings the wanted rates to the coordinate.
+    #[inline(always)]
+    fn aim(&mut self, biased: bool) {
+        let beyond = if biased { self.beyond } else { Lane::ZERO };
+        let zero = Lane::ZERO;
+        let low = self.low.greater(zero).select(self.near, beyond) * self.low;
+        let high = self.high.less(zero).select(self.near, beyond) * self.high;
+        let keeps = if biased { Mask::NONE } else { self.keeps.greater(zero) };
+        self.least = keeps.select(self.least, self.target - low.greatest(-self.push));
+        self.greatest = keeps.select(self.greatest, self.target - high.least(self.push));
+    }
+
+    /// One step of the row. `extra` is a rate beyond that of the velocities.
+    #[inline(always)]
+    fn solve(&mut self, u: &mut Velocities, extra: Lane) {
+        // The rate that there would be without the row's impulse, and the impulse that brings it into its bounds.
+        let free = self.ways.rate(u) + extra - self.yields * self.impulse;
+        let raise = (self.least - free) * self.mass;
+        let lower = (self.greatest - free) * self.mass;
+        let x = raise.greatest(Lane::ZERO) + lower.least(Lane::ZERO);
+        let x = x.least(self.most).greatest(-self.most).finite().flushed();
+        self.ways.apply(u, x - self.impulse);
+        self.impulse = x;
+    }
+}
+
+/// Solves all locks at once: `(K + give) x = -(rate + wanted)`.
+#[inline(always)]
+fn solve_locks<const N: usize>(u: &mut Velocities, locks: &mut [LockRow; N], wanted: [Lane; N]) {
+    let mut x = [Lane::ZERO; N];
+    for i in 0..N {
+        let mut y = -(locks[i].ways.rate(u) + wanted[i]);
+        for j in 0..i {
+            y = y - locks[i].factor[j] * x[j];
+        }
+        x[i] = y;
+    }
+    for i in (0..N).rev() {
+        let mut y = x[i] * locks[i].inverse;
+        for j in i + 1..N {
+            y = y - locks[j].factor[i] * x[j];
+        }
+        x[i] = y;
+    }
+    for (row, x) in locks.iter_mut().zip(x) {
+        let after = (row.impulse + x).finite().flushed();
+        row.ways.apply(u, after - row.impulse);
+        row.impulse = after;
+    }
+}
+
+/// Factors `K + give` into `L D Lt`. A row that the rows before it imply gets no pivot, and no impulse. `masses` are
+/// the inverse masses of both bodies along the axes.
+pub(super) fn factor(locks: &mut [LockRow], masses: LaneVec) {
+    for i in 0..locks.len() {
+        let own = locks[i].ways.yields(&locks[i].ways, masses) + locks[i].give;
+        let mut pivot = own;
+        for j in 0..i {
+            let mut entry = locks[i].ways.yields(&locks[j].ways, masses);
+            for k in 0..j {
+                // `factor` of row i holds L D until the row is done.
+                entry = entry - locks[i].factor[k] * locks[j].factor[k];
+            }
+            locks[i].factor[j] = entry;
+        }
+        for j in 0..i {
+            let entry = locks[i].factor[j];
+            let share = entry * locks[j].inverse;
+            pivot = pivot - entry * share;
+            locks[i].factor[j] = share;
+        }
+        let stands =
+            pivot.greater(own * Lane::splat(PIVOT_SHARE)).and(own.greater(Lane::splat(f32::MIN_POSITIVE)));
+        let one = Lane::splat(1.0);
+        locks[i].inverse = stands.select(one / stands.select(pivot, one), Lane::ZERO);
+    }
+}

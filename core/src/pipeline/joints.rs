@@ -1,0 +1,469 @@
+//! Joints: their rows from the state, and their impulses back into it.
+
+use crate::body::{BodyKind, turned_frame};
+use crate::cells::{IMMOVABLE, UNORDERED};
+use crate::constraint::joint::{
+    Bound, BoundRow, FAR, JointLink, LIMIT_PUSH, LOCK_PUSH, LockRow, bounds_of, locks_of, place, weigh,
+    wrench,
+};
+use crate::executor::{Executor, Stage};
+use crate::joint::axis::{TURN_X, TURN_Z};
+use crate::joint::{AxisRow, BROKEN, JointRow, Signature};
+use crate::lanes::{LANES, LaneVec};
+use crate::math::{PI, Pose, Rotation, Vec3, length, min};
+use crate::pipeline::Counts;
+use crate::pipeline::assembly::Scene;
+use crate::pipeline::layout::{EMPTY, Group, Plan};
+use crate::pipeline::solver::{JointRows, take};
+use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::shape::BOX_STALE;
+use crate::state::{Cache, Scratch, State};
+use bytemuck::Zeroable;
+
+/// Joints that are worth a task.
+const STORE_JOINTS: usize = 256;
+/// How fast a limit that gives is felt before it is reached, 1/s: not at all.
+const NOT_BEFORE: f32 = 1.0e9;
+
+/// Writes one row of joints and cuts it off `rows`.
+pub(crate) fn fill(
+    scene: &Scene<'_>,
+    rows: &mut JointRows<'_>,
+    (joints, seats): (&[u32; LANES], &[u32; 2 * LANES]),
+) {
+    let row_of = |joint: u32| &scene.joints[scene.joint_slots[joint as usize] as usize];
+    let Some(&first) = joints.iter().find(|&&joint| joint != EMPTY) else { return };
+    let signature = row_of(first).signature();
+    let link = &mut take(&mut rows.links, 1)[0];
+    let locks = take(&mut rows.locks, signature.lock_rows());
+    let bounds = take(&mut rows.bounds, signature.bound_rows());
+    *link = JointLink::zeroed();
+    locks.fill(LockRow::zeroed());
+    bounds.fill(BoundRow::zeroed());
+    link.signature = signature.0;
+    link.seats_a.copy_from_slice(&seats[..LANES]);
+    link.seats_b.copy_from_slice(&seats[LANES..]);
+    let mut masses = LaneVec::ZERO;
+    for (lane, &joint) in joints.iter().enumerate() {
+        if joint != EMPTY {
+            masses.set(lane, set_bodies(scene, link, row_of(joint), lane));
+        }
+    }
+    place(link, locks, bounds);
+    weigh(locks, bounds, masses);
+    for (lane, &joint) in joints.iter().enumerate() {
+        if joint != EMPTY {
+            let joint = row_of(joint);
+            let measure = Measure::of(link, joint, lane);
+            set_locks(scene, joint, (signature, &measure), (locks, lane, masses));
+            set_bounds(scene, joint, (signature, &measure), (bounds, lane));
+        }
+    }
+    // What the rows give is known now.
+    weigh(locks, bounds, masses);
+}
+
+/// Writes what one joint's bodies are; returns their inverse masses along the axes, added.
+fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: usize) -> Vec3 {
+    let active = joint.bodies.map(|slot| scene.active_of[slot as usize]);
+    if active[0] == IMMOVABLE {
+        // Links have the dynamic body first.
+        let seats = (link.seats_a[lane], link.seats_b[lane]);
+        (link.seats_b[lane], link.seats_a[lane]) = seats;
+    }
+    let mut masses = Vec3::ZERO;
+    for (end, (&index, &slot)) in active.iter().zip(&joint.bodies).enumerate() {
+        let slot = slot as usize;
+        if index == IMMOVABLE {
+            let motion = &scene.motions[slot];
+            let moves = motion.linear != Vec3::ZERO || motion.angular != Vec3::ZERO;
+            if scene.bodies[slot].kind() == BodyKind::Kinematic && moves {
+                link.kinematic = 1;
+                link.moves[2 * end].set(lane, motion.linear);
+                link.moves[2 * end + 1].set(lane, motion.angular);
+            }
+            continue;
+        }
+        let body = &scene.active[index as usize];
+        let locks = body.locks as u32;
+        link.locked |= u32::from(locks != 0);
+        let free = |axis: u32| if locks >> axis & 1 == 1 { 0.0 } else { body.inverse_mass };
+        masses += Vec3::new(free(0), free(1), free(2));
+        let root = if end == 0 { &mut link.root_a } else { &mut link.root_b };
+        let [xx, yy, zz, xy, xz, yz] = body.root;
+        root[0].set(lane, Vec3::new(xx, yy, zz));
+        root[1].set(lane, Vec3::new(xy, xz, yz));
+    }
+    set_frames(scene, link, joint, lane);
+    masses
+}
+
+/// Writes arms and axes. Held axes are held at 0 of these frames.
+fn set_frames(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: usize) {
+    let [a, b] = joint.bodies.map(|slot| slot as usize);
+    let (ma, mb) = (&scene.motions[a], &scene.motions[b]);
+    let held = |axis: usize| joint.signature().held() >> axis & 1 != 0;
+    let place = |axis: usize| if held(axis) { joint.axes[axis].lower } else { 0.0 };
+    let frames = !joint.signature().is_distance();
+    let [mut local_a, mut local_b] = joint.frames;
+    if frames {
+        local_a.position = local_a.transform(Vec3::new(place(0), place(1), place(2)));
+        let turned = |q: Rotation, axis: Vec3, angle: f32| {
+            if angle == 0.0 { q } else { q.after(Rotation::from_axis_angle(axis, angle)) }
+        };
+        local_a.rotation = turned(local_a.rotation, Vec3::Z, place(TURN_Z));
+        local_b.rotation = turned(local_b.rotation, Vec3::X, -place(TURN_X));
+    }
+    let frame = |motion: &crate::body::Motion, slot: usize, local: &Pose| {
+        turned_frame(motion.rotation, &scene.bodies[slot], local)
+    };
+    let (frame_a, frame_b) = (frame(ma, a, &local_a), frame(mb, b, &local_b));
+    link.arm_a.set(lane, frame_a.position);
+    link.arm_b.set(lane, frame_b.position);
+    link.centers.set(lane, mb.center.minus(ma.center));
+    let (axes_a, axes_b) = (frame_a.rotation.matrix(), frame_b.rotation.matrix());
+    for (axis, column) in link.axes_a.iter_mut().zip([axes_a.x_axis, axes_a.y_axis, axes_a.z_axis]) {
+        axis.set(lane, column);
+    }
+    for (axis, column) in link.axes_b.iter_mut().zip([axes_b.x_axis, axes_b.y_axis]) {
+        axis.set(lane, column);
+    }
+    link.ratio.set(lane, joint.ratio);
+}
+
+/// The coordinates of a joint that are measured: distances along axes, and turns counted on.
+struct Measure {
+    shifts: [f32; 3],
+    turns: [f32; 3],
+    cone: f32,
+}
+
+impl Measure {
+    fn of(link: &JointLink, joint: &JointRow, lane: usize) -> Self {
+        let signature = link.signature();
+        let gap = link.gap().get(lane);
+        let axes = link.axes_a.map(|axis| axis.get(lane));
+        let shifts =
+            if signature.is_distance() { [length(gap), 0.0, 0.0] } else { axes.map(|axis| gap.dot(axis)) };
+        let mut measure = Self { shifts, turns: [0.0; 3], cone: 0.0 };
+        if signature.turns() {
+            let [xa, ya, za] = axes;
+            let [xb, yb] = link.axes_b.map(|axis| axis.get(lane));
+            measure.turns = turns_of((xa, ya, za), (xb, yb), signature.is_twist());
+            measure.cone = crate::math::atan2(length(xa.cross(xb)), xa.dot(xb));
+            for (turn, axis) in measure.turns.iter_mut().zip(&joint.axes[3..]) {
+                *turn = counted_on(*turn, axis.turn);
+            }
+        }
+        measure
+    }
+
+    fn along(&self, axis: usize) -> f32 {
+        if axis < 3 { self.shifts[axis] } else { self.turns[axis - 3] }
+    }
+}
+
+/// The turns about x, y and z of a frame with axes x and y against one with axes x, y and z; radians.
+pub(crate) fn turns_of((xa, ya, za): (Vec3, Vec3, Vec3), (xb, yb): (Vec3, Vec3), is_twist: bool) -> [f32; 3] {
+    use crate::math::atan2;
+    if is_twist {
+        let share = 1.0 / crate::math::max(1.0 + xa.dot(xb), 1.0e-6);
+        let across = xa.dot(yb) * share;
+        return [atan2(yb.dot(za) - xb.dot(za) * across, yb.dot(ya) - xb.dot(ya) * across), 0.0, 0.0];
+    }
+    let middle = za.cross(xb);
+    let cosine = length(middle);
+    let unit = crate::math::normalize_or(middle, ya);
+    [atan2(yb.dot(xb.cross(unit)), yb.dot(unit)), atan2(-xb.dot(za), cosine), atan2(xb.dot(ya), xb.dot(xa))]
+}
+
+/// The value of an angle that is nearest to the last one.
+fn counted_on(angle: f32, last: f32) -> f32 {
+    angle + 2.0 * PI * libm::rintf((last - angle) / (2.0 * PI))
+}
+
+fn set_locks(
+    scene: &Scene<'_>,
+    joint: &JointRow,
+    (signature, measure): (Signature, &Measure),
+    (locks, lane, masses): (&mut [LockRow], usize, LaneVec),
+) {
+    let coupled = signature.is_gear() || signature.is_rack();
+    let axes = locks_of(signature).chain(coupled.then_some(0));
+    for (row, axis) in locks.iter_mut().zip(axes) {
+        row.impulse.set(lane, joint.impulses[axis]);
+        if signature.is_distance() {
+            row.error.set(lane, measure.shifts[0] - joint.axes[0].lower);
+        } else if coupled {
+            row.error.set(lane, joint.slip);
+        }
+        let softener = joint.spring.softener(row.ways.yields(&row.ways, masses).get(lane), scene.substep);
+        let (rate, give) = softener.map_or((LOCK_PUSH / scene.substep, 0.0), |s| (s.rate, s.give));
+        row.rate.set(lane, rate);
+        row.give.set(lane, min(give, FAR));
+    }
+}
+
+fn set_bounds(
+    scene: &Scene<'_>,
+    joint: &JointRow,
+    (signature, measure): (Signature, &Measure),
+    (bounds, lane): (&mut [BoundRow], usize),
+) {
+    for (row, bound) in bounds.iter_mut().zip(bounds_of(signature)) {
+        let mut sight = Sight { row, lane, substep: scene.substep, push: scene.bias.push_speed };
+        match bound {
+            Bound::Drive(axis) => sight.drive(&joint.axes[axis], measure.along(axis)),
+            Bound::Friction(axis) => sight.friction(&joint.axes[axis]),
+            Bound::Limit(axis) => sight.limit(&joint.axes[axis], measure.along(axis)),
+            Bound::Cone => sight.cone(joint, measure.cone),
+        }
+    }
+}
+
+/// One lane of a bound row.
+struct Sight<'a> {
+    row: &'a mut BoundRow,
+    lane: usize,
+    substep: f32,
+    push: f32,
+}
+
+impl Sight<'_> {
+    fn drive(&mut self, axis: &AxisRow, coordinate: f32) {
+        let (row, lane) = (&mut *self.row, self.lane);
+        row.impulse.set(lane, axis.drive_impulse);
+        row.most.set(lane, min(axis.max_force * self.substep, FAR));
+        row.keeps.set(lane, 1.0);
+        row.push.set(lane, FAR);
+        let Some(softener) = axis.drive_spring.softener(row.yields.get(lane), self.substep) else {
+            row.target.set(lane, axis.velocity);
+            return;
+        };
+        let left = coordinate - axis.target;
+        row.low.set(lane, left);
+        row.high.set(lane, left);
+        row.near.set(lane, softener.rate);
+        row.beyond.set(lane, softener.rate);
+        row.target.set(lane, softener.damping * axis.velocity);
+        row.give.set(lane, min(softener.give, FAR));
+    }
+
+    fn friction(&mut self, axis: &AxisRow) {
+        let (row, lane) = (&mut *self.row, self.lane);
+        row.impulse.set(lane, axis.friction_impulse);
+        row.most.set(lane, axis.friction * self.substep);
+        row.keeps.set(lane, 1.0);
+    }
+
+    fn limit(&mut self, axis: &AxisRow, coordinate: f32) {
+        let low = if axis.lower.is_finite() { coordinate - axis.lower } else { FAR };
+        let high = if axis.upper.is_finite() { coordinate - axis.upper } else { -FAR };
+        let (yields, substep) = (self.row.yields.get(self.lane), self.substep);
+        self.ends(low, high, axis.limit_impulse);
+        if let Some(softener) = axis.limit_spring.softener(yields, substep) {
+            let (row, lane) = (&mut *self.row, self.lane);
+            row.near.set(lane, NOT_BEFORE);
+            row.beyond.set(lane, softener.rate);
+            row.give.set(lane, min(softener.give, FAR));
+            row.push.set(lane, FAR);
+            row.keeps.set(lane, 1.0);
+        }
+    }
+
+    fn cone(&mut self, joint: &JointRow, angle: f32) {
+        self.ends(FAR, angle - joint.cone, joint.cone_impulse);
+    }
+
+    /// A hard limit.
+    fn ends(&mut self, low: f32, high: f32, impulse: f32) {
+        let (row, lane) = (&mut *self.row, self.lane);
+        row.impulse.set(lane, impulse);
+        row.most.set(lane, FAR);
+        row.low.set(lane, low);
+        row.high.set(lane, high);
+        row.near.set(lane, 1.0 / self.substep);
+        row.beyond.set(lane, LIMIT_PUSH / self.substep);
+        row.push.set(lane, self.push);
+        row.limits = 1;
+    }
+}
+
+/// Writes impulses, forces and turns back into the state, and breaks joints whose load is too great.
+pub(crate) fn store<E: Executor>(
+    state: &mut State<'_>,
+    (cache, scratch): (&Cache<'_>, &mut Scratch<'_>),
+    (plan, joints, substep): (&Plan, usize, f32),
+    (crew, counts): (&mut Crew<'_, E>, &mut Counts),
+) {
+    struct Task<'a> {
+        slots: &'a [u32],
+        places: &'a [u32],
+        /// Slot of the first of the rows.
+        first: u32,
+        rows: &'a mut [JointRow],
+        broken: u32,
+    }
+    if joints == 0 {
+        return;
+    }
+    index_rows(&cache.groups[..plan.groups], scratch.joint_links, scratch.joint_firsts);
+    measure_wrenches(scratch, (&cache.groups[..plan.groups], plan), substep, crew);
+    let share = chunk(joints, STORE_JOINTS);
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    let (mut rest, mut first) = (&mut *state.joints, 0);
+    let slots = scratch.joint_slots[..joints].chunks(share);
+    for (slots, places) in slots.zip(cache.joint_places[..joints].chunks(share)) {
+        let end = slots[slots.len() - 1] + 1;
+        let rows = take(&mut rest, (end - first) as usize);
+        push(&mut tasks, Task { slots, places, first, rows, broken: 0 });
+        first = end;
+    }
+    let results = Results {
+        links: scratch.joint_links,
+        locks: scratch.lock_rows,
+        bounds: scratch.bound_rows,
+        firsts: scratch.joint_firsts,
+    };
+    crew.run(Stage::Finish, &mut tasks, |task| {
+        for (&slot, &place) in task.slots.iter().zip(task.places) {
+            let joint = &mut task.rows[(slot - task.first) as usize];
+            results.store(joint, place as usize);
+            task.broken += u32::from(joint.has(BROKEN));
+        }
+    });
+    let broken: u32 = tasks.iter().map(|task| task.broken).sum();
+    drop(tasks);
+    counts.broken += broken;
+    if broken > 0 {
+        part_broken(state, &scratch.joint_slots[..joints]);
+    }
+}
+
+/// Writes force and torque of each row where the changes of its warm start were.
+fn measure_wrenches<E: Executor>(
+    scratch: &mut Scratch<'_>,
+    (groups, plan): (&[Group], &Plan),
+    substep: f32,
+    crew: &mut Crew<'_, E>,
+) {
+    let mut rows = JointRows {
+        links: &mut scratch.joint_links[..plan.joints],
+        locks: &mut scratch.lock_rows[..plan.locks],
+        bounds: &mut scratch.bound_rows[..plan.bounds],
+    };
+    let mut tasks: Tasks<JointRows<'_>> =
+        groups.chunks(chunk(groups.len(), 1)).map(|groups| rows.take_all(groups)).collect();
+    crew.run(Stage::Finish, &mut tasks, |task| {
+        let (mut locks, mut bounds) = (&*task.locks, &*task.bounds);
+        for link in task.links.iter_mut() {
+            let signature = link.signature();
+            let (own_locks, rest) = locks.split_at(signature.lock_rows());
+            locks = rest;
+            let (own_bounds, rest) = bounds.split_at(signature.bound_rows());
+            bounds = rest;
+            (link.turn_push, link.turn_a) = wrench(link, (own_locks, own_bounds), substep);
+        }
+    });
+}
+
+/// Shapes of bodies whose joint broke may meet from now on.
+fn part_broken(state: &mut State<'_>, slots: &[u32]) {
+    for &slot in slots {
+        let joint = &state.joints[slot as usize];
+        if joint.has(BROKEN) {
+            for body in joint.bodies {
+                let mut shape = state.bodies[body as usize].first_shape;
+                while shape != u32::MAX {
+                    state.shapes[shape as usize].flags |= BOX_STALE;
+                    shape = state.shapes[shape as usize].next;
+                }
+            }
+        }
+    }
+}
+
+/// Joints of a body whose kind has changed have other ends in the ordering: they are new links.
+pub(crate) fn begin_anew(state: &mut State<'_>, body: u32) {
+    let mut next = state.first_joints.get(body as usize).copied().unwrap_or(0);
+    while next != 0 {
+        let joint = &mut state.joints[next as usize - 1];
+        joint.phase = u32::from(UNORDERED);
+        next = joint.next_of(body);
+        state.header[0].joints_stale = 1;
+    }
+}
+
+/// Writes the first lock and the first bound of each row of joints.
+fn index_rows(groups: &[Group], links: &[JointLink], firsts: &mut [[u32; 2]]) {
+    let mut next = [0, 0];
+    for group in groups {
+        for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
+            firsts[row] = next;
+            let signature = links[row].signature();
+            next[0] += signature.lock_rows() as u32;
+            next[1] += signature.bound_rows() as u32;
+        }
+    }
+}
+
+/// What the solve left of the joints.
+struct Results<'a> {
+    links: &'a [JointLink],
+    locks: &'a [LockRow],
+    bounds: &'a [BoundRow],
+    firsts: &'a [[u32; 2]],
+}
+
+impl Results<'_> {
+    fn store(&self, joint: &mut JointRow, place: usize) {
+        let (row, lane) = (place / LANES, place % LANES);
+        let link = &self.links[row];
+        let signature = link.signature();
+        let [locks, bounds] = self.firsts[row].map(|first| first as usize);
+        let locks = &self.locks[locks..locks + signature.lock_rows()];
+        let bounds = &self.bounds[bounds..bounds + signature.bound_rows()];
+        let coupled = signature.is_gear() || signature.is_rack();
+        for (row, axis) in locks.iter().zip(locks_of(signature).chain(coupled.then_some(0))) {
+            joint.impulses[axis] = row.impulse.get(lane);
+            if coupled {
+                joint.slip = row.error.get(lane);
+            }
+        }
+        for (row, bound) in bounds.iter().zip(bounds_of(signature)) {
+            let impulse = row.impulse.get(lane);
+            match bound {
+                Bound::Drive(axis) => {
+                    let own = &mut joint.axes[axis];
+                    own.drive_impulse = impulse;
+                    if axis >= 3 && own.has_position_drive() {
+                        own.turn = row.low.get(lane) + own.target;
+                    }
+                }
+                Bound::Friction(axis) => joint.axes[axis].friction_impulse = impulse,
+                Bound::Limit(axis) => {
+                    let own = &mut joint.axes[axis];
+                    own.limit_impulse = impulse;
+                    if axis >= 3 {
+                        let from_low = own.lower.is_finite();
+                        own.turn = if from_low {
+                            row.low.get(lane) + own.lower
+                        } else {
+                            row.high.get(lane) + own.upper
+                        };
+                    }
+                }
+                Bound::Cone => joint.cone_impulse = impulse,
+            }
+        }
+        (joint.force, joint.torque) = (link.turn_push.get(lane), link.turn_a.get(lane));
+        if !joint.is_finite() {
+            joint.forget();
+            joint.axes.iter_mut().for_each(|axis| axis.turn = 0.0);
+            joint.slip = 0.0;
+        }
+        if length(joint.force) > joint.break_force || length(joint.torque) > joint.break_torque {
+            joint.flags |= BROKEN;
+        }
+    }
+}
