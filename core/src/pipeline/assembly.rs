@@ -7,9 +7,9 @@ use crate::constraint::row::{Bias, LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
-use crate::pipeline::integration::locked_or_free_root;
+use crate::pipeline::integration::{locked_or_free_root, whiten};
 use crate::pipeline::layout::{Group, Plan};
-use crate::pipeline::mover::Mover;
+use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, take};
@@ -100,6 +100,7 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
             let free = |axis: usize| if locks >> axis & 1 == 1 { 0.0 } else { push[axis] };
             active.push = Vec3::new(free(0), free(1), free(2));
+            active.whitened = whiten(&active.root, motion.angular);
         }
     });
 }
@@ -136,12 +137,12 @@ pub(crate) fn fill<E: Executor>(
     let mut links = &mut scratch.link_rows[..plan.rows];
     let mut points = &mut scratch.point_rows[..plan.points];
     let mut seats = &mut scratch.seats[..plan.seats];
-    let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize];
+    let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize / LANES];
     let (seat_bodies, lanes) = (&*cache.seat_bodies, (&*cache.lane_contacts, &*cache.lane_seats));
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     for groups in groups.chunks_mut(share) {
         let sum = |count: fn(&Group) -> u32| groups.iter().map(count).sum::<u32>() as usize;
-        let movers_count = sum(|g| if g.phase == 0 { g.seats } else { 0 });
+        let movers_count = sum(|g| if g.phase == 0 { g.seats } else { 0 }) / LANES;
         let task = Task {
             links: take(&mut links, sum(|g| g.rows)),
             points: take(&mut points, sum(|g| g.points)),
@@ -160,7 +161,7 @@ struct Task<'a> {
     links: &'a mut [LinkRow],
     points: &'a mut [PointRow],
     seats: &'a mut [Seat],
-    movers: &'a mut [Mover],
+    movers: &'a mut [MoverRow],
 }
 
 impl Task<'_> {
@@ -175,7 +176,7 @@ impl Task<'_> {
         for group in self.groups.iter_mut() {
             let own_seats = take(&mut seats, group.seats as usize);
             let bodies = &seat_bodies[group.first_seat as usize..][..own_seats.len()];
-            let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() } else { 0 });
+            let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
             let mut own_points = take(&mut points, group.points as usize);
             group.bounces = 0;
@@ -189,14 +190,16 @@ impl Task<'_> {
 }
 
 /// Seats hold zeros until they pull; those of phase 0 start with the bodies' velocities.
-fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [Mover]), bodies: &[u32]) {
+fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow]), bodies: &[u32]) {
     seats.fill(Seat::zeroed());
-    for ((mover, seat), &body) in movers.iter_mut().zip(seats).zip(bodies) {
-        *mover = Mover::zeroed();
-        if body != IMMOVABLE {
-            let active = &scene.active[body as usize];
-            let slot = active.body as usize;
-            (*mover, *seat) = Mover::new(active, &scene.motions[slot], &scene.bodies[slot], scene.substep);
+    for ((mover, seats), bodies) in movers.iter_mut().zip(seats.chunks_mut(LANES)).zip(bodies.chunks(LANES)) {
+        *mover = MoverRow::still();
+        for (lane, (seat, &body)) in seats.iter_mut().zip(bodies).enumerate() {
+            if body != IMMOVABLE {
+                let active = &scene.active[body as usize];
+                let slot = active.body as usize;
+                *seat = mover.enter(lane, active, (&scene.motions[slot], &scene.bodies[slot]), scene.substep);
+            }
         }
     }
 }

@@ -67,14 +67,15 @@ pub(crate) const fn groups_max(c: &Capacities) -> usize {
     PHASES_MAX + c.contacts as usize / GROUP_LINKS + c.bodies as usize / GROUP_BODIES + 2
 }
 
-/// Most seats of any schedule: each body once in phase 0, two for each link of a later phase, and the lanes' own.
+/// Most seats of any schedule: each body once in phase 0, two for each link of a later phase, the lanes' own, and
+/// those that fill groups of phase 0.
 pub(crate) const fn seats_max(c: &Capacities) -> usize {
-    c.bodies as usize + 2 * c.contacts as usize + LANES * groups_max(c)
+    c.bodies as usize + 2 * c.contacts as usize + 2 * LANES * groups_max(c)
 }
 
-/// Most seats of phase 0.
-pub(crate) const fn first_phase_seats_max(c: &Capacities) -> usize {
-    c.bodies as usize + LANES * groups_max(c)
+/// Most rows of movers: each is of eight seats of phase 0.
+pub(crate) const fn mover_rows_max(c: &Capacities) -> usize {
+    (c.bodies as usize).div_ceil(LANES) + 2 * groups_max(c)
 }
 
 /// The schedule to lay out.
@@ -247,11 +248,7 @@ fn seat_group(
     (phase_first_seat, points_of): (u32, &impl Fn(u32) -> u32),
 ) {
     let first_seat = plan.seats as u32;
-    for _ in 0..LANES {
-        tables.seat_bodies[plan.seats] = IMMOVABLE;
-        tables.seat_sources[plan.seats] = OWN;
-        plan.seats += 1;
-    }
+    (0..LANES).for_each(|_| seat_nobody(tables, plan));
     let mut points = 0;
     let group = tables.groups[g];
     for row in group.first_row as usize..(group.first_row + group.rows) as usize {
@@ -272,12 +269,29 @@ fn seat_group(
         }
         points += most;
     }
+    if group.phase == 0 {
+        fill_up(tables, plan);
+    }
     let group = &mut tables.groups[g];
     group.first_seat = first_seat;
     group.seats = plan.seats as u32 - first_seat;
     group.first_point = plan.points as u32;
     group.points = points;
     plan.points += points as usize;
+}
+
+/// A seat without a body.
+fn seat_nobody(tables: &mut Tables<'_>, plan: &mut Plan) {
+    tables.seat_bodies[plan.seats] = IMMOVABLE;
+    tables.seat_sources[plan.seats] = OWN;
+    plan.seats += 1;
+}
+
+/// Fills the last eight seats of a group of phase 0: bodies are integrated by eights.
+fn fill_up(tables: &mut Tables<'_>, plan: &mut Plan) {
+    while !plan.seats.is_multiple_of(LANES) {
+        seat_nobody(tables, plan);
+    }
 }
 
 /// The body's seat in this phase, a new one if it has none yet.
@@ -302,7 +316,7 @@ fn seat_free_bodies(bodies: u32, tables: &mut Tables<'_>, plan: &mut Plan) {
         return;
     }
     let share = GROUP_BODIES.max(free.div_ceil(FREE_GROUPS_MAX));
-    let mut open = 0;
+    let (mut open, mut left) = (0, free);
     for body in 0..bodies {
         if tables.phase_seats[body as usize] != OWN {
             continue;
@@ -322,7 +336,12 @@ fn seat_free_bodies(bodies: u32, tables: &mut Tables<'_>, plan: &mut Plan) {
             open = share;
         }
         take_seat(body, tables, plan, 0);
-        tables.groups[plan.groups - 1].seats += 1;
         open -= 1;
+        left -= 1;
+        if open == 0 || left == 0 {
+            fill_up(tables, plan);
+            let group = &mut tables.groups[plan.groups - 1];
+            group.seats = plan.seats as u32 - group.first_seat;
+        }
     }
 }
