@@ -1,13 +1,13 @@
 //! Assembly (the talk's third stage, SEED S5 to S7): rows written straight into solver order.
 
 use crate::body::{BodyRow, Motion};
-use crate::cells::{IMMOVABLE, Link};
+use crate::cells::Link;
 use crate::config::{CONTACT_COUPLING, ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
 use crate::constraint::row::{Bias, LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
-use crate::pipeline::integration::{locked_or_free_root, whiten};
+use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
@@ -94,13 +94,13 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let principal = principal_rotation(motion, row);
             active.linear = motion.linear;
             active.angular = motion.angular;
-            active.root = locked_or_free_root(principal, row.inertia, locks >> 3);
+            (active.root, active.whitened) =
+                root_and_whitened(principal, row.inertia, locks >> 3, motion.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
             let free = |axis: usize| if locks >> axis & 1 == 1 { 0.0 } else { push[axis] };
             active.push = Vec3::new(free(0), free(1), free(2));
-            active.whitened = whiten(&active.root, motion.angular);
         }
     });
 }
@@ -192,14 +192,14 @@ impl Task<'_> {
 /// Seats hold zeros until they pull; those of phase 0 start with the bodies' velocities.
 fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow]), bodies: &[u32]) {
     seats.fill(Seat::zeroed());
-    for ((mover, seats), bodies) in movers.iter_mut().zip(seats.chunks_mut(LANES)).zip(bodies.chunks(LANES)) {
-        *mover = MoverRow::still();
-        for (lane, (seat, &body)) in seats.iter_mut().zip(bodies).enumerate() {
-            if body != IMMOVABLE {
-                let active = &scene.active[body as usize];
-                let slot = active.body as usize;
-                *seat = mover.enter(lane, active, (&scene.motions[slot], &scene.bodies[slot]), scene.substep);
-            }
-        }
+    let (eights, _) = seats.as_chunks_mut::<LANES>();
+    for ((mover, seats), bodies) in movers.iter_mut().zip(eights).zip(bodies.chunks(LANES)) {
+        // A seat without a body has no index of one.
+        let entry = |lane: usize| {
+            let active = scene.active.get(*bodies.get(lane)? as usize)?;
+            let slot = active.body as usize;
+            Some((active, &scene.motions[slot], &scene.bodies[slot]))
+        };
+        *mover = MoverRow::enter(seats, entry, scene.substep);
     }
 }

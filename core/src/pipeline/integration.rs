@@ -11,7 +11,7 @@
 //! chosen so that one of the two differences is the smallest possible: a symmetric top is solved exactly.
 
 use crate::lanes::{LANES, Lane, LaneVec, Mask};
-use crate::math::{RENORMAL, Rotation, Vec3, length};
+use crate::math::{Mat3, RENORMAL, Rotation, Vec3, length};
 use bytemuck::{Pod, Zeroable};
 
 /// Largest rotation of one split, radians; more is done in several.
@@ -33,25 +33,14 @@ pub(crate) fn root_times(w: &[f32; 6], v: Vec3) -> Vec3 {
     )
 }
 
-/// The symmetric matrix with these eigenvalues along the axes of a frame.
-pub(crate) fn along_axes(frame: Rotation, values: Vec3) -> [f32; 6] {
-    let m = frame.matrix();
+/// The symmetric matrix with these eigenvalues along the columns of a rotation.
+pub(crate) fn along_axes(m: &Mat3, values: Vec3) -> [f32; 6] {
     let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
     let entry = |i: usize, j: usize| values.x * a[i] * a[j] + values.y * b[i] * b[j] + values.z * c[i] * c[j];
     [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)]
 }
 
-/// The symmetric W with W W = inverse inertia in the world, for a principal frame and its moments.
-pub(crate) fn root_of(principal: Rotation, inertia: Vec3) -> [f32; 6] {
-    let s = |moment: f32| 1.0 / crate::math::sqrt(moment);
-    if inertia.x == inertia.y && inertia.y == inertia.z {
-        let s = s(inertia.x);
-        return [s, s, s, 0.0, 0.0, 0.0];
-    }
-    along_axes(principal, Vec3::new(s(inertia.x), s(inertia.y), s(inertia.z)))
-}
-
-/// The same with some world axes locked: W W = inverse of the inertia among the free axes, 0 elsewhere.
+/// The symmetric W with W W = inverse inertia in the world among the axes that are not locked, 0 elsewhere.
 pub(crate) fn locked_root_of(principal: Rotation, inertia: Vec3, turn_locks: u8) -> [f32; 6] {
     let free: heapless::Vec<usize, 3> = (0..3).filter(|i| turn_locks >> i & 1 == 0).collect();
     let m = principal.matrix();
@@ -78,9 +67,31 @@ pub(crate) fn locked_root_of(principal: Rotation, inertia: Vec3, turn_locks: u8)
     root
 }
 
-/// [`root_of`] when no axis is locked against turning, else [`locked_root_of`].
-pub(crate) fn locked_or_free_root(principal: Rotation, inertia: Vec3, turn_locks: u8) -> [f32; 6] {
-    if turn_locks == 0 { root_of(principal, inertia) } else { locked_root_of(principal, inertia, turn_locks) }
+/// W for a principal frame and its moments, and the whitened angular velocity `W^-1 angular`: 0 on locked axes.
+pub(crate) fn root_and_whitened(
+    principal: Rotation,
+    inertia: Vec3,
+    turn_locks: u8,
+    angular: Vec3,
+) -> ([f32; 6], Vec3) {
+    if turn_locks != 0 {
+        let root = locked_root_of(principal, inertia, turn_locks);
+        return (root, whiten(&root, angular));
+    }
+    if inertia.x == inertia.y && inertia.y == inertia.z {
+        // Divided, so that its product with the root is what it was but for rounding to both sides.
+        let s = 1.0 / crate::math::sqrt(inertia.x);
+        return ([s, s, s, 0.0, 0.0, 0.0], angular / s);
+    }
+    let roots = square_roots(inertia);
+    let m = principal.matrix();
+    let whitened = m * (roots * (m.transpose() * angular));
+    (along_axes(&m, 1.0 / roots), whitened)
+}
+
+/// Square roots of the components.
+pub(crate) fn square_roots(v: Vec3) -> Vec3 {
+    Vec3::new(crate::math::sqrt(v.x), crate::math::sqrt(v.y), crate::math::sqrt(v.z))
 }
 
 /// Where the entry of rows `i < j` stands.
@@ -440,8 +451,8 @@ mod tests {
         let inertia = Vec3::new(1.0, 3.0, 2.5);
         let w = Vec3::new(1.0, -2.0, 3.0);
         for locks in 0..8 {
-            let root = if locks == 0 { root_of(q, inertia) } else { locked_root_of(q, inertia, locks) };
-            let back = root_times(&root, whiten(&root, w));
+            let (root, whitened) = root_and_whitened(q, inertia, locks, w);
+            let back = root_times(&root, whitened);
             for axis in 0..3 {
                 let expected = if locks >> axis & 1 == 1 { 0.0 } else { w[axis] };
                 assert!((back[axis] - expected).abs() < 1.0e-5, "{locks} {back}");

@@ -8,7 +8,7 @@ use crate::collide::vector64::{Vector, cross, dot, to_f64, to_vec3};
 use crate::config::{LINEAR_SPEED_MAX, TURN_MAX};
 use crate::constraint::contact::root_times;
 use crate::lanes::{LANES, Lane, LaneVec, Words, transpose, transpose_back};
-use crate::math::{Rotation, Vec3, length, min, sqrt};
+use crate::math::{Rotation, Vec3, length, min};
 use crate::pipeline::integration::{self, LaneRotation, SPLITS_MAX, TURN_STEP};
 use crate::pipeline::seat::Seat;
 use crate::state::{Active, principal_rotation};
@@ -50,20 +50,41 @@ pub(crate) struct MoverRow {
 }
 
 impl MoverRow {
-    /// A row in which nothing moves.
-    pub fn still() -> Self {
-        let frame = LaneRotation::identity();
-        Self { frame, turn_max: Lane::splat(TURN_MAX * TURN_MAX), ..Self::zeroed() }
+    /// The row of bodies at the start of a step of `substep` seconds per substep, and their seats; where `entry`
+    /// has none, nothing moves.
+    pub fn enter<'a>(
+        seats: &mut [Seat; LANES],
+        entry: impl Fn(usize) -> Option<(&'a Active, &'a Motion, &'a BodyRow)>,
+        substep: f32,
+    ) -> Self {
+        let mut row = Self::zeroed();
+        let mut frames = [Words::new([0.0, 0.0, 0.0, 1.0, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]); LANES];
+        let mut turns = [Words::ZERO; LANES];
+        for (lane, seat) in seats.iter_mut().enumerate() {
+            if let Some(body) = entry(lane) {
+                row.enter_velocity(lane, body, substep);
+                seat.velocity = row.star[lane];
+                let top = is_top(body.2);
+                row.tops |= u32::from(top);
+                (frames[lane], turns[lane]) =
+                    if top { top_words(body, substep) } else { plain_words(body, substep) };
+            }
+        }
+        let [x, y, z, w, turn_max, whitening, near, far] = transpose(frames);
+        row.frame = LaneRotation { imaginary: LaneVec::new(x, y, z), real: w };
+        (row.turn_max, row.whitening, row.near, row.far) = (turn_max, whitening, near, far);
+        let [xx, yy, zz, xy, xz, yz, top, _] = transpose(turns);
+        row.turn = [LaneVec::new(xx, yy, zz), LaneVec::new(xy, xz, yz)];
+        row.top = top;
+        row
     }
 
-    /// Puts a body into a lane at the start of a step of `substep` seconds per substep. Returns its seat.
-    pub fn enter(
+    fn enter_velocity(
         &mut self,
         lane: usize,
-        active: &Active,
-        (motion, row): (&Motion, &BodyRow),
+        (active, motion, row): (&Active, &Motion, &BodyRow),
         substep: f32,
-    ) -> Seat {
+    ) {
         let locks = active.locks as u32;
         let free = |axis: u32, x: f32| if locks >> axis & 1 == 1 { 0.0 } else { x };
         let velocity =
@@ -72,40 +93,9 @@ impl MoverRow {
         // v' = v / (1 + c h) = v - v c h / (1 + c h)
         let loss = |damping: f32| Vec3::splat(damping * substep / (1.0 + damping * substep));
         let row_of = |v: Vec3, m: f32, w: Vec3, l: f32| Words::new([v.x, v.y, v.z, m, w.x, w.y, w.z, l]);
-        let current = row_of(velocity, active.inverse_mass, active.whitened, active.locks);
-        self.star[lane] = current;
+        self.star[lane] = row_of(velocity, active.inverse_mass, active.whitened, active.locks);
         self.push[lane] = row_of(active.push, 0.0, torque, 0.0);
         self.loss[lane] = row_of(loss(row.linear_damping), 0.0, loss(row.angular_damping), 0.0);
-        if is_top(row) {
-            self.enter_top(lane, (motion, row), substep);
-        } else {
-            self.frame.set(lane, motion.rotation);
-            self.set_turn(lane, active.root.map(|x| x * substep));
-        }
-        Seat { velocity: current, moved: Words::ZERO }
-    }
-
-    fn enter_top(&mut self, lane: usize, (motion, row): (&Motion, &BodyRow), substep: f32) {
-        let (axes, moments) = integration::split_frame(row.inertia);
-        let principal = principal_rotation(motion, row);
-        // Momentum W^-1 w~, and by the reference moment the velocity that all axes share.
-        let share = substep / moments.x;
-        let turn = integration::along_axes(principal, inertia_root(row.inertia)).map(|x| x * share);
-        self.frame.set(lane, principal.after(axes));
-        self.set_turn(lane, turn);
-        self.whitening.set(lane, 1.0 / share);
-        self.near.set(lane, (moments.x - moments.y) / moments.y);
-        self.far.set(lane, (moments.x - moments.z) / moments.z);
-        // The fastest that this momentum can mean is about the axis of the least moment.
-        let slowest = min(moments.x, min(moments.y, moments.z)) / moments.x;
-        self.turn_max.set(lane, TURN_MAX * slowest * TURN_MAX * slowest);
-        self.top.set(lane, 1.0);
-        self.tops = 1;
-    }
-
-    fn set_turn(&mut self, lane: usize, [xx, yy, zz, xy, xz, yz]: [f32; 6]) {
-        self.turn[0].set(lane, Vec3::new(xx, yy, zz));
-        self.turn[1].set(lane, Vec3::new(xy, xz, yz));
     }
 
     /// Velocities of the first substep: gravity, forces, damping. The warm sweep follows.
@@ -225,9 +215,34 @@ fn frame_axes(row: &BodyRow) -> Rotation {
     row.axes.after(integration::split_frame(row.inertia).0)
 }
 
-/// Square roots of the principal moments.
-fn inertia_root(inertia: Vec3) -> Vec3 {
-    Vec3::new(sqrt(inertia.x), sqrt(inertia.y), sqrt(inertia.z))
+/// What a body that turns as its velocity says has in its lane: `[frame, turn_max, whitening, near, far]` and
+/// `[turn, top, 0]`.
+fn plain_words((active, motion, _): (&Active, &Motion, &BodyRow), substep: f32) -> (Words, Words) {
+    let q = motion.rotation;
+    let [xx, yy, zz, xy, xz, yz] = active.root.map(|x| x * substep);
+    (
+        Words::new([q.x, q.y, q.z, q.w, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]),
+        Words::new([xx, yy, zz, xy, xz, yz, 0.0, 0.0]),
+    )
+}
+
+/// The same of a free top.
+fn top_words((_, motion, row): (&Active, &Motion, &BodyRow), substep: f32) -> (Words, Words) {
+    let (axes, moments) = integration::split_frame(row.inertia);
+    let principal = principal_rotation(motion, row);
+    // Momentum W^-1 w~, and by the reference moment the velocity that all axes share.
+    let share = substep / moments.x;
+    let roots = integration::square_roots(row.inertia);
+    let turn = integration::along_axes(&principal.matrix(), roots * share);
+    // The fastest that this momentum can mean is about the axis of the least moment.
+    let most = TURN_MAX * (min(moments.x, min(moments.y, moments.z)) / moments.x);
+    let (near, far) = ((moments.x - moments.y) / moments.y, (moments.x - moments.z) / moments.z);
+    let q = principal.after(axes);
+    let [xx, yy, zz, xy, xz, yz] = turn;
+    (
+        Words::new([q.x, q.y, q.z, q.w, most * most, 1.0 / share, near, far]),
+        Words::new([xx, yy, zz, xy, xz, yz, 1.0, 0.0]),
+    )
 }
 
 /// Linear and whitened angular velocities of eight seats.
@@ -255,7 +270,7 @@ pub(crate) fn angular_velocity(
     let start = Turn::of(principal_rotation(motion, row));
     let spin = start.undo(to_f64(motion.angular));
     let change = start.undo(to_f64(whitened - active.whitened));
-    let (inertia, root) = (to_f64(row.inertia), to_f64(inertia_root(row.inertia)));
+    let (inertia, root) = (to_f64(row.inertia), to_f64(integration::square_roots(row.inertia)));
     let momentum = start.apply(core::array::from_fn(|i| inertia[i] * spin[i] + root[i] * change[i]));
     let end = Turn::of(rotation.after(row.axes));
     let local = end.undo(momentum);
