@@ -161,6 +161,12 @@ impl Mask {
         self.0.any()
     }
 
+    /// True when every lane is.
+    #[inline(always)]
+    pub fn all(self) -> bool {
+        self.0.all()
+    }
+
     /// True where both are.
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {

@@ -114,6 +114,9 @@ const COMPONENT_MAX: i32 = (1 << (COMPONENT_BITS - 1)) - 1;
 /// A lesser component of a unit quaternion is at most the root of one half.
 const COMPONENT_SCALE: f32 = COMPONENT_MAX as f32 * core::f32::consts::SQRT_2;
 
+/// How far the square of a quaternion's length may be from 1 to be corrected without a root.
+pub(crate) const RENORMAL: f32 = 1.0e-4;
+
 impl Rotation {
     /// The rotation in 8 bytes, by its three lesser components, to 5e-6 rad. Exact for no rotation.
     pub(crate) fn pack(self) -> [u32; 2] {
@@ -224,7 +227,7 @@ impl Rotation {
     #[inline]
     pub(crate) fn renormalized(self) -> Self {
         let off = self.norm_squared() - 1.0;
-        if off.abs() < 1.0e-4 {
+        if off.abs() < RENORMAL {
             // 1 / sqrt(1 + x) = 1 - x / 2 + 3 x^2 / 8 - ..., whose square term is below 4e-9.
             let k = 1.0 - 0.5 * off;
             return Self::new(self.x * k, self.y * k, self.z * k, self.w * k);

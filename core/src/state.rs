@@ -15,8 +15,8 @@ use crate::constraint::row::{LinkRow, PointRow};
 use crate::joint::JointRow;
 use crate::lanes::Words;
 use crate::math::{Aabb, Rotation, Vec3};
-use crate::pipeline::layout::{Group, Plan, links_max, seats_max};
-use crate::pipeline::mover::Mover;
+use crate::pipeline::layout::{Group, Plan, links_max, mover_rows_max, seats_max};
+use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::Seat;
 use crate::pool::{Marks, words};
 use crate::shape::ShapeRow;
@@ -406,8 +406,10 @@ pub(crate) struct Active {
     pub reserved: u32,
     /// Velocity gained from gravity and force in a substep, m/s.
     pub push: Vec3,
+    /// Whitened angular velocity at the start of the step.
+    pub whitened: Vec3,
     /// Zero.
-    pub reserved_2: [u32; 5],
+    pub reserved_2: [u32; 2],
 }
 
 region! {
@@ -466,16 +468,12 @@ region! {
         block_chains: u32 = links_max(c),
         /// The body's seat in the phase that is laid out, by active body.
         phase_seats: u32 = c.bodies as usize,
-        movers: Mover = seats_max_first(c),
+        /// Eight seats of phase 0 each.
+        movers: MoverRow = mover_rows_max(c),
         /// For registering a mesh.
         mesh_words: u64 = crate::collide::mesh::scratch_len(c.mesh_triangles as usize),
         mesh_boxes: Aabb = c.mesh_triangles as usize,
     }
-}
-
-/// Seats of phase 0: every active body once, and the scratch seats of its groups.
-const fn seats_max_first(c: &crate::world::Capacities) -> usize {
-    crate::pipeline::layout::first_phase_seats_max(c)
 }
 
 /// The rotation of a body's principal frame.

@@ -1,17 +1,17 @@
 //! Assembly (the talk's third stage, SEED S5 to S7): rows written straight into solver order.
 
 use crate::body::{BodyRow, Motion};
-use crate::cells::{IMMOVABLE, Link};
+use crate::cells::Link;
 use crate::config::{CONTACT_COUPLING, ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
 use crate::constraint::row::{Bias, LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
-use crate::pipeline::integration::locked_or_free_root;
+use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
-use crate::pipeline::mover::Mover;
+use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take};
@@ -101,7 +101,8 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let principal = principal_rotation(motion, row);
             active.linear = motion.linear;
             active.angular = motion.angular;
-            active.root = locked_or_free_root(principal, row.inertia, locks >> 3);
+            (active.root, active.whitened) =
+                root_and_whitened(principal, row.inertia, locks >> 3, motion.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
@@ -146,7 +147,7 @@ pub(crate) fn fill<E: Executor>(
     let mut links = &mut scratch.link_rows[..plan.rows];
     let mut points = &mut scratch.point_rows[..plan.points];
     let mut seats = &mut scratch.seats[..plan.seats];
-    let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize];
+    let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize / LANES];
     let mut joints = JointRows {
         links: &mut scratch.joint_links[..plan.joints],
         locks: &mut scratch.lock_rows[..plan.locks],
@@ -162,7 +163,7 @@ pub(crate) fn fill<E: Executor>(
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     for groups in groups.chunks_mut(share) {
         let sum = |count: fn(&Group) -> u32| groups.iter().map(count).sum::<u32>() as usize;
-        let movers_count = sum(|g| if g.phase == 0 { g.seats } else { 0 });
+        let movers_count = sum(|g| if g.phase == 0 { g.seats } else { 0 }) / LANES;
         let task = Task {
             links: take(&mut links, sum(|g| g.rows)),
             points: take(&mut points, sum(|g| g.points)),
@@ -191,7 +192,7 @@ struct Task<'a> {
     links: &'a mut [LinkRow],
     points: &'a mut [PointRow],
     seats: &'a mut [Seat],
-    movers: &'a mut [Mover],
+    movers: &'a mut [MoverRow],
     joints: JointRows<'a>,
 }
 
@@ -202,7 +203,7 @@ impl Task<'_> {
         for group in self.groups.iter_mut() {
             let own_seats = take(&mut seats, group.seats as usize);
             let bodies = &lanes.seat_bodies[group.first_seat as usize..][..own_seats.len()];
-            let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() } else { 0 });
+            let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
             let mut joints = self.joints.take(group);
             for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
@@ -221,14 +222,16 @@ impl Task<'_> {
 }
 
 /// Seats hold zeros until they pull; those of phase 0 start with the bodies' velocities.
-fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [Mover]), bodies: &[u32]) {
+fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow]), bodies: &[u32]) {
     seats.fill(Seat::zeroed());
-    for ((mover, seat), &body) in movers.iter_mut().zip(seats).zip(bodies) {
-        *mover = Mover::zeroed();
-        if body != IMMOVABLE {
-            let active = &scene.active[body as usize];
+    let (eights, _) = seats.as_chunks_mut::<LANES>();
+    for ((mover, seats), bodies) in movers.iter_mut().zip(eights).zip(bodies.chunks(LANES)) {
+        // A seat without a body has no index of one.
+        let entry = |lane: usize| {
+            let active = scene.active.get(*bodies.get(lane)? as usize)?;
             let slot = active.body as usize;
-            (*mover, *seat) = Mover::new(active, &scene.motions[slot], &scene.bodies[slot], scene.substep);
-        }
+            Some((active, &scene.motions[slot], &scene.bodies[slot]))
+        };
+        *mover = MoverRow::enter(seats, entry, scene.substep);
     }
 }

@@ -12,11 +12,11 @@ use crate::pipeline::Counts;
 use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
 use crate::pipeline::layout::{Group, Plan};
-use crate::pipeline::mover::Mover;
+use crate::pipeline::mover::{MoverRow, angular_velocity};
 use crate::pipeline::seat::Seat;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::BOX_STALE;
-use crate::state::{Cache, ContactRow, Scratch, State, Touch};
+use crate::state::{Active, Cache, ContactRow, Scratch, State, Touch};
 
 /// Turn from which on a body's stance follows, radians.
 const STANCE_TURN: f32 = 0.01;
@@ -110,6 +110,7 @@ fn store_motions<E: Executor>(
         last_seats: cache.last_seats,
         seats: &scratch.seats[..plan.seats],
         movers: scratch.movers,
+        active: scratch.active,
     };
     let used = &*state.body_used;
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
@@ -162,26 +163,29 @@ struct Results<'a> {
     first_seats: &'a [u32],
     last_seats: &'a [u32],
     seats: &'a [Seat],
-    movers: &'a [Mover],
+    movers: &'a [MoverRow],
+    active: &'a [Active],
 }
 
 impl Results<'_> {
     fn store(&self, slot: usize, motion: &mut Motion, row: &mut BodyRow, found: &mut Found) {
-        let active = self.active_of[slot] as usize;
-        let mover = &self.movers[self.first_seats[active] as usize];
-        let u = self.seats[self.last_seats[active] as usize].velocity.to_array();
+        let index = self.active_of[slot] as usize;
+        let first_seat = self.first_seats[index] as usize;
+        let (mover, lane) = (&self.movers[first_seat / LANES], first_seat % LANES);
+        let u = self.seats[self.last_seats[index] as usize].velocity.to_array();
         let whitened = Vec3::new(u[4], u[5], u[6]);
+        let (displacement, rotation) = mover.outcome(lane, row);
         let after = Motion {
-            center: motion.center.plus(mover.displacement),
-            rotation: mover.rotation.normalized(),
+            center: motion.center.plus(displacement),
+            rotation,
             linear: Vec3::new(u[0], u[1], u[2]),
-            angular: mover.angular_velocity(whitened, motion.angular),
+            angular: angular_velocity((&self.active[index], motion, row), whitened, rotation),
         };
         row.force = Vec3::ZERO;
         row.torque = Vec3::ZERO;
-        found.capped += mover.capped;
+        found.capped += u32::from(mover.is_capped(lane));
         let inside = after.center.sector.iter().all(|s| s.unsigned_abs() <= SECTOR_MAX as u32);
-        if !after.is_finite() || !mover.displacement.is_finite() || !inside {
+        if !after.is_finite() || !displacement.is_finite() || !inside {
             quarantine(motion, row);
             found.quarantined += 1;
             return;

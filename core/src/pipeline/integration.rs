@@ -10,10 +10,18 @@
 //! energy drift; since every part turns the body and L together, L in the world is exact. The reference axis r is
 //! chosen so that one of the two differences is the smallest possible: a symmetric top is solved exactly.
 
-use crate::math::{Rotation, Vec3, length};
+use crate::lanes::{LANES, Lane, LaneVec, Mask};
+use crate::math::{Mat3, RENORMAL, Rotation, Vec3, length};
+use bytemuck::{Pod, Zeroable};
 
 /// Largest rotation of one split, radians; more is done in several.
 pub(crate) const TURN_STEP: f32 = 0.3;
+/// Squared angle from which on sine and cosine are taken from the library, rad2.
+const SERIES_SQUARE: f32 = 0.5;
+/// Squared sine of half an angle from which on the arc is taken from the library.
+const ARC_SQUARE: f32 = 1.0 / 16.0;
+/// What the splits of the fastest spin come to.
+pub(crate) const SPLITS_MAX: f32 = 256.0;
 
 /// W v for a symmetric W (xx, yy, zz, xy, xz, yz).
 #[inline(always)]
@@ -25,21 +33,14 @@ pub(crate) fn root_times(w: &[f32; 6], v: Vec3) -> Vec3 {
     )
 }
 
-/// The symmetric W with W W = inverse inertia in the world, for a principal frame and its moments.
-pub(crate) fn root_of(principal: Rotation, inertia: Vec3) -> [f32; 6] {
-    let s = |moment: f32| 1.0 / crate::math::sqrt(moment);
-    if inertia.x == inertia.y && inertia.y == inertia.z {
-        let s = s(inertia.x);
-        return [s, s, s, 0.0, 0.0, 0.0];
-    }
-    let m = principal.matrix();
+/// The symmetric matrix with these eigenvalues along the columns of a rotation.
+pub(crate) fn along_axes(m: &Mat3, values: Vec3) -> [f32; 6] {
     let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
-    let (sa, sb, sc) = (s(inertia.x), s(inertia.y), s(inertia.z));
-    let entry = |i: usize, j: usize| sa * a[i] * a[j] + sb * b[i] * b[j] + sc * c[i] * c[j];
+    let entry = |i: usize, j: usize| values.x * a[i] * a[j] + values.y * b[i] * b[j] + values.z * c[i] * c[j];
     [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)]
 }
 
-/// The same with some world axes locked: W W = inverse of the inertia among the free axes, 0 elsewhere.
+/// The symmetric W with W W = inverse inertia in the world among the axes that are not locked, 0 elsewhere.
 pub(crate) fn locked_root_of(principal: Rotation, inertia: Vec3, turn_locks: u8) -> [f32; 6] {
     let free: heapless::Vec<usize, 3> = (0..3).filter(|i| turn_locks >> i & 1 == 0).collect();
     let m = principal.matrix();
@@ -66,9 +67,31 @@ pub(crate) fn locked_root_of(principal: Rotation, inertia: Vec3, turn_locks: u8)
     root
 }
 
-/// [`root_of`] when no axis is locked against turning, else [`locked_root_of`].
-pub(crate) fn locked_or_free_root(principal: Rotation, inertia: Vec3, turn_locks: u8) -> [f32; 6] {
-    if turn_locks == 0 { root_of(principal, inertia) } else { locked_root_of(principal, inertia, turn_locks) }
+/// W for a principal frame and its moments, and the whitened angular velocity `W^-1 angular`: 0 on locked axes.
+pub(crate) fn root_and_whitened(
+    principal: Rotation,
+    inertia: Vec3,
+    turn_locks: u8,
+    angular: Vec3,
+) -> ([f32; 6], Vec3) {
+    if turn_locks != 0 {
+        let root = locked_root_of(principal, inertia, turn_locks);
+        return (root, whiten(&root, angular));
+    }
+    if inertia.x == inertia.y && inertia.y == inertia.z {
+        // Divided, so that its product with the root is what it was but for rounding to both sides.
+        let s = 1.0 / crate::math::sqrt(inertia.x);
+        return ([s, s, s, 0.0, 0.0, 0.0], angular / s);
+    }
+    let roots = square_roots(inertia);
+    let m = principal.matrix();
+    let whitened = m * (roots * (m.transpose() * angular));
+    (along_axes(&m, 1.0 / roots), whitened)
+}
+
+/// Square roots of the components.
+pub(crate) fn square_roots(v: Vec3) -> Vec3 {
+    Vec3::new(crate::math::sqrt(v.x), crate::math::sqrt(v.y), crate::math::sqrt(v.z))
 }
 
 /// Where the entry of rows `i < j` stands.
@@ -115,7 +138,7 @@ pub(crate) fn whiten(w: &[f32; 6], v: Vec3) -> Vec3 {
 /// sin(a/2)/a and cos(a/2) of an angle given by its square.
 #[inline]
 fn half_angle(a2: f32) -> (f32, f32) {
-    if a2 < 0.5 {
+    if a2 < SERIES_SQUARE {
         // Taylor series: the next terms are below 1e-9 here.
         let s = 0.5 - a2 * (1.0 / 48.0 - a2 * (1.0 / 3840.0 - a2 * (1.0 / 645_120.0)));
         let c = 1.0 - a2 * (1.0 / 8.0 - a2 * (1.0 / 384.0 - a2 * (1.0 / 46_080.0)));
@@ -154,63 +177,235 @@ pub(crate) fn rotation_vector(q: Rotation) -> Vec3 {
     v * (2.0 * crate::math::atan2(sine, q.w) / sine)
 }
 
-/// The principal frame of a free top after `time` seconds. `momentum` is in the world and stays.
-pub(crate) fn top(principal: Rotation, momentum: Vec3, inertia: Vec3, time: f32) -> Rotation {
-    let mut local = principal.unrotate(momentum);
-    let (reference, near, far) = split_axes(inertia);
-    let rate = |axis: usize| 1.0 / inertia[axis] - 1.0 / inertia[reference];
-    let swing = (local[near] * rate(near)).abs() + (local[far] * rate(far)).abs();
-    let splits = libm::ceilf(crate::math::clamp(swing * time / TURN_STEP, 1.0, 256.0));
-    let h = time / splits;
-    let mut frame = principal;
-    for _ in 0..splits as u32 {
-        // A symmetric top has no part of its own about the near axis.
-        let symmetric = inertia[near] == inertia[reference];
-        if !symmetric {
-            about_axis(&mut frame, &mut local, (near, 0.5 * h * rate(near)));
-        }
-        about_axis(&mut frame, &mut local, (far, h * rate(far)));
-        if !symmetric {
-            about_axis(&mut frame, &mut local, (near, 0.5 * h * rate(near)));
-        }
-    }
-    // The common part: a rotation about the momentum, which stays in the world.
-    turned(frame, momentum * (time / inertia[reference]))
-}
-
-/// Reference axis, the axis whose moment is nearest to it, and the third.
-fn split_axes(i: Vec3) -> (usize, usize, usize) {
+/// The order of the principal axes in which a free top is turned: the reference axis first, then the one whose
+/// moment is nearest to it, as a rotation of the frame; and the moments in that order.
+pub(crate) fn split_frame(inertia: Vec3) -> (Rotation, Vec3) {
+    let i = inertia;
     // Nearness of two axes is the difference of their rates.
     let difference = |a: usize, b: usize| (1.0 / i[a] - 1.0 / i[b]).abs();
     let (xy, yz, zx) = (difference(0, 1), difference(1, 2), difference(2, 0));
     if xy <= yz && xy <= zx {
-        (0, 1, 2)
+        (Rotation::IDENTITY, i)
     } else if yz <= zx {
-        (1, 2, 0)
+        (Rotation::new(0.5, 0.5, 0.5, 0.5), Vec3::new(i.y, i.z, i.x))
     } else {
-        (2, 0, 1)
+        (Rotation::new(-0.5, -0.5, -0.5, 0.5), Vec3::new(i.z, i.x, i.y))
     }
 }
 
-/// Turns the frame about one of its own axes by `local[axis] * rate`, with the momentum fixed in the world.
-fn about_axis(frame: &mut Rotation, local: &mut Vec3, (axis, rate): (usize, f32)) {
-    let angle = local[axis] * rate;
-    let (s, c) = half_angle(angle * angle);
-    let s = s * angle;
-    let mut q = [0.0; 3];
-    q[axis] = s;
-    *frame = frame.after(Rotation::new(q[0], q[1], q[2], c)).renormalized();
-    // The momentum turns the other way in the frame: double angle of (c, s).
-    let (sine, cosine) = (2.0 * s * c, 1.0 - 2.0 * s * s);
-    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let (p, q) = (local[i], local[j]);
-    local[i] = p * cosine + q * sine;
-    local[j] = q * cosine - p * sine;
+/// A rotation in every lane.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct LaneRotation {
+    pub imaginary: LaneVec,
+    pub real: Lane,
+}
+
+impl LaneRotation {
+    /// No rotation.
+    pub fn identity() -> Self {
+        Self { imaginary: LaneVec::ZERO, real: Lane::splat(1.0) }
+    }
+
+    /// The rotation of one lane.
+    pub fn get(&self, lane: usize) -> Rotation {
+        let v = self.imaginary.get(lane);
+        Rotation::new(v.x, v.y, v.z, self.real.get(lane))
+    }
+
+    /// Writes the rotation of one lane.
+    pub fn set(&mut self, lane: usize, q: Rotation) {
+        self.imaginary.set(lane, q.imaginary());
+        self.real.set(lane, q.w);
+    }
+
+    /// By a rotation vector (exponential map).
+    #[inline(always)]
+    pub fn by(turn: LaneVec) -> Self {
+        let (s, c) = half_angles(turn.dot(turn));
+        Self { imaginary: turn.times(s), real: c }
+    }
+
+    /// `self` after `first`.
+    #[inline(always)]
+    pub fn after(self, first: Self) -> Self {
+        let (a, b) = (self.imaginary, first.imaginary);
+        Self {
+            imaginary: b.times(self.real) + a.times(first.real) + a.cross(b),
+            real: self.real * first.real - a.dot(b),
+        }
+    }
+
+    /// `yes` where true, `no` where false.
+    #[inline(always)]
+    pub fn select(mask: Mask, yes: Self, no: Self) -> Self {
+        Self {
+            imaginary: mask.select_vec(yes.imaginary, no.imaginary),
+            real: mask.select(yes.real, no.real),
+        }
+    }
+
+    /// See [`Rotation::renormalized`].
+    #[inline(always)]
+    pub fn renormalized(self) -> Self {
+        let off = self.imaginary.dot(self.imaginary) + self.real * self.real - Lane::splat(1.0);
+        let k = Lane::splat(1.0) - Lane::splat(0.5) * off;
+        let mut unit = Self { imaginary: self.imaginary.times(k), real: self.real * k };
+        let (least, most) = (Lane::splat(-RENORMAL), Lane::splat(RENORMAL));
+        let near = off.greater(least).and(off.less(most));
+        if !near.all() {
+            self.normalize_far(off, &mut unit);
+        }
+        unit
+    }
+
+    #[cold]
+    fn normalize_far(&self, off: Lane, unit: &mut Self) {
+        for lane in 0..LANES {
+            let off = off.get(lane);
+            if !(off > -RENORMAL && off < RENORMAL) {
+                unit.set(lane, self.get(lane).normalized());
+            }
+        }
+    }
+
+    /// Where the second axis of the frame points.
+    #[inline(always)]
+    fn second(self) -> LaneVec {
+        let (LaneVec { x, y, z }, w) = (self.imaginary, self.real);
+        let (one, two) = (Lane::splat(1.0), Lane::splat(2.0));
+        LaneVec::new(two * (x * y - w * z), one - two * (x * x + z * z), two * (y * z + w * x))
+    }
+
+    /// Where the third axis of the frame points.
+    #[inline(always)]
+    fn third(self) -> LaneVec {
+        let (LaneVec { x, y, z }, w) = (self.imaginary, self.real);
+        let (one, two) = (Lane::splat(1.0), Lane::splat(2.0));
+        LaneVec::new(two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y))
+    }
+
+    /// The rotation vector, of at most half a turn.
+    #[inline(always)]
+    pub fn vector(self) -> LaneVec {
+        let square = self.imaginary.dot(self.imaginary);
+        // 2 asin(s) / s; the next term is below 1e-7 here.
+        let terms = [105.0 / 1728.0, 5.0 / 56.0, 3.0 / 20.0, 1.0 / 3.0, 2.0];
+        let scale = terms.iter().fold(Lane::ZERO, |sum, &term| sum * square + Lane::splat(term));
+        let mut vector = self.imaginary.times(scale);
+        let near = square.less(Lane::splat(ARC_SQUARE)).and(self.real.greater(Lane::ZERO));
+        if !near.all() {
+            self.far_vector(&mut vector);
+        }
+        vector
+    }
+
+    #[cold]
+    fn far_vector(&self, vector: &mut LaneVec) {
+        for lane in 0..LANES {
+            let q = self.get(lane);
+            let v = q.imaginary();
+            if !(v.dot(v) < ARC_SQUARE && q.w > 0.0) {
+                vector.set(lane, rotation_vector(q));
+            }
+        }
+    }
+}
+
+/// [`half_angle`] of eight angles.
+#[inline(always)]
+fn half_angles(a2: Lane) -> (Lane, Lane) {
+    let series = |terms: [f32; 4]| {
+        let [a, b, c, d] = terms.map(Lane::splat);
+        a - a2 * (b - a2 * (c - a2 * d))
+    };
+    let mut s = series([0.5, 1.0 / 48.0, 1.0 / 3840.0, 1.0 / 645_120.0]);
+    let mut c = series([1.0, 1.0 / 8.0, 1.0 / 384.0, 1.0 / 46_080.0]);
+    if !a2.less(Lane::splat(SERIES_SQUARE)).all() {
+        far_half_angles(a2, (&mut s, &mut c));
+    }
+    (s, c)
+}
+
+#[cold]
+fn far_half_angles(a2: Lane, (s, c): (&mut Lane, &mut Lane)) {
+    for lane in 0..LANES {
+        let (sine, cosine) = half_angle(a2.get(lane));
+        s.set(lane, sine);
+        c.set(lane, cosine);
+    }
+}
+
+/// The part of the motion of free tops that is not the common one, in a time in which that turns them by `turn`:
+/// the rotation about principal axes, in the world. The frames' axes are in the order of [`split_frame`]; `near`
+/// and `far` are the rates about the second and the third beyond the common one, as shares of that.
+#[inline(always)]
+pub(crate) fn swing(frame: LaneRotation, turn: LaneVec, (near, far): (Lane, Lane)) -> LaneRotation {
+    let uneven = not_zero(near);
+    let about = |axis: LaneVec, share: Lane| LaneRotation::by(axis.times(turn.dot(axis) * share));
+    if !uneven.any() {
+        // A symmetric top has no part of its own about the near axis.
+        return about(frame.third(), far);
+    }
+    let (second, third) = (frame.second(), frame.third());
+    let splits = splits(turn, (second, near), (third, far));
+    let share = Lane::splat(1.0) / splits;
+    let (near, split_far) = (near * share, far * share);
+    let half = Lane::splat(0.5);
+    // Near half, far, near, far ..., near half: halves about one axis that follow each other are one.
+    let mut total = about(uneven.select_vec(second, third), uneven.select(near * half, far));
+    let most = (0..LANES).fold(1.0, |most, lane| crate::math::max(splits.get(lane), most)) as u32;
+    for k in 0..most {
+        let goes_on = uneven.and(splits.greater(Lane::splat(k as f32)));
+        let step = about(total.after(frame).third(), split_far);
+        total = LaneRotation::select(goes_on, step.after(total), total);
+        let is_last = splits.less(Lane::splat(k as f32 + 1.5));
+        let step = about(total.after(frame).second(), near * is_last.select(half, Lane::splat(1.0)));
+        total = LaneRotation::select(goes_on, step.after(total), total);
+    }
+    total
+}
+
+/// In how many parts a swing is taken.
+fn splits(turn: LaneVec, near: (LaneVec, Lane), far: (LaneVec, Lane)) -> Lane {
+    let angle = |(axis, share): (LaneVec, Lane)| {
+        let angle = turn.dot(axis) * share;
+        angle.greatest(-angle)
+    };
+    let parts = (angle(near) + angle(far)) * Lane::splat(1.0 / TURN_STEP);
+    let mut splits = Lane::splat(1.0);
+    if parts.greater(splits).any() {
+        for lane in 0..LANES {
+            splits.set(lane, libm::ceilf(crate::math::clamp(parts.get(lane), 1.0, SPLITS_MAX)));
+        }
+    }
+    splits
+}
+
+/// True where a number is not 0.
+#[inline(always)]
+fn not_zero(x: Lane) -> Mask {
+    (x * x).greater(Lane::ZERO)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Where a free top is after a time.
+    fn top(frame: Rotation, momentum: Vec3, inertia: Vec3, time: f32) -> Rotation {
+        let (axes, moments) = split_frame(inertia);
+        let mut before = LaneRotation::identity();
+        let mut turn = LaneVec::ZERO;
+        let (mut near, mut far) = (Lane::ZERO, Lane::ZERO);
+        before.set(3, frame.after(axes));
+        turn.set(3, momentum * (time / moments.x));
+        near.set(3, (moments.x - moments.y) / moments.y);
+        far.set(3, (moments.x - moments.z) / moments.z);
+        let swing = swing(before, turn, (near, far));
+        let after = LaneRotation::by(turn).after(swing).after(before).renormalized();
+        after.get(3).after(axes.inverse())
+    }
 
     fn energy(frame: Rotation, momentum: Vec3, inertia: Vec3) -> f32 {
         let local = frame.unrotate(momentum);
@@ -256,8 +451,8 @@ mod tests {
         let inertia = Vec3::new(1.0, 3.0, 2.5);
         let w = Vec3::new(1.0, -2.0, 3.0);
         for locks in 0..8 {
-            let root = if locks == 0 { root_of(q, inertia) } else { locked_root_of(q, inertia, locks) };
-            let back = root_times(&root, whiten(&root, w));
+            let (root, whitened) = root_and_whitened(q, inertia, locks, w);
+            let back = root_times(&root, whitened);
             for axis in 0..3 {
                 let expected = if locks >> axis & 1 == 1 { 0.0 } else { w[axis] };
                 assert!((back[axis] - expected).abs() < 1.0e-5, "{locks} {back}");

@@ -101,14 +101,15 @@ pub(crate) const fn links_max(c: &Capacities) -> usize {
     c.contacts as usize + c.joints as usize
 }
 
-/// Most seats of any schedule: each body once in phase 0, two for each link of a later phase, and the lanes' own.
+/// Most seats of any schedule: each body once in phase 0, two for each link of a later phase, the lanes' own, and
+/// those that fill groups of phase 0.
 pub(crate) const fn seats_max(c: &Capacities) -> usize {
-    c.bodies as usize + 2 * links_max(c) + LANES * groups_max(c)
+    c.bodies as usize + 2 * links_max(c) + 2 * LANES * groups_max(c)
 }
 
-/// Most seats of phase 0.
-pub(crate) const fn first_phase_seats_max(c: &Capacities) -> usize {
-    c.bodies as usize + LANES * groups_max(c)
+/// Most rows of movers: each is of eight seats of phase 0.
+pub(crate) const fn mover_rows_max(c: &Capacities) -> usize {
+    (c.bodies as usize).div_ceil(LANES) + 2 * groups_max(c)
 }
 
 /// The schedule to lay out.
@@ -363,11 +364,7 @@ fn seat_group(
     phase_first_seat: u32,
 ) {
     let first_seat = plan.seats as u32;
-    for _ in 0..LANES {
-        tables.seat_bodies[plan.seats] = IMMOVABLE;
-        tables.seat_sources[plan.seats] = OWN;
-        plan.seats += 1;
-    }
+    (0..LANES).for_each(|_| seat_nobody(tables, plan));
     let group = tables.groups[g];
     for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
         let links = tables.lane_joints[row]
@@ -380,6 +377,9 @@ fn seat_group(
         let live = links.iter().filter(|&&link| link != EMPTY);
         points += live.map(|&link| points_of(&schedule.links[link as usize])).max().unwrap_or(0);
         tables.lane_seats[row] = seat_row(schedule, tables, plan, (&links, phase_first_seat, first_seat));
+    }
+    if group.phase == 0 {
+        fill_up(tables, plan);
     }
     let group = &mut tables.groups[g];
     group.first_seat = first_seat;
@@ -411,6 +411,20 @@ fn seat_row(
     seats
 }
 
+/// A seat without a body.
+fn seat_nobody(tables: &mut Tables<'_>, plan: &mut Plan) {
+    tables.seat_bodies[plan.seats] = IMMOVABLE;
+    tables.seat_sources[plan.seats] = OWN;
+    plan.seats += 1;
+}
+
+/// Fills the last eight seats of a group of phase 0: bodies are integrated by eights.
+fn fill_up(tables: &mut Tables<'_>, plan: &mut Plan) {
+    while !plan.seats.is_multiple_of(LANES) {
+        seat_nobody(tables, plan);
+    }
+}
+
 /// The body's seat in this phase, a new one if it has none yet.
 fn take_seat(body: u32, tables: &mut Tables<'_>, plan: &mut Plan, phase_first_seat: u32) -> u32 {
     let seat = &mut tables.phase_seats[body as usize];
@@ -433,7 +447,7 @@ fn seat_free_bodies(bodies: u32, tables: &mut Tables<'_>, plan: &mut Plan) {
         return;
     }
     let share = GROUP_BODIES.max(free.div_ceil(FREE_GROUPS_MAX));
-    let mut open = 0;
+    let (mut open, mut left) = (0, free);
     for body in 0..bodies {
         if tables.phase_seats[body as usize] != OWN {
             continue;
@@ -449,7 +463,12 @@ fn seat_free_bodies(bodies: u32, tables: &mut Tables<'_>, plan: &mut Plan) {
             open = share;
         }
         take_seat(body, tables, plan, 0);
-        tables.groups[plan.groups - 1].seats += 1;
         open -= 1;
+        left -= 1;
+        if open == 0 || left == 0 {
+            fill_up(tables, plan);
+            let group = &mut tables.groups[plan.groups - 1];
+            group.seats = plan.seats as u32 - group.first_seat;
+        }
     }
 }

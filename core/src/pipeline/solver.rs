@@ -11,8 +11,9 @@ use crate::constraint::contact::{self, Pass, Sweep};
 use crate::constraint::joint::{self, BoundRow, JointLink, LockRow};
 use crate::constraint::row::{Bias, LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
+use crate::lanes::LANES;
 use crate::pipeline::layout::{Group, Plan};
-use crate::pipeline::mover::Mover;
+use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::{OtherSeats, Seat};
 use crate::pipeline::tasks::{Crew, Tasks, push};
 
@@ -25,7 +26,7 @@ pub(crate) struct Rows<'a> {
     pub joints: JointRows<'a>,
     pub seats: &'a mut [Seat],
     pub sources: &'a [u32],
-    pub movers: &'a mut [Mover],
+    pub movers: &'a mut [MoverRow],
 }
 
 /// Rows of joints.
@@ -86,7 +87,7 @@ struct Task<'a> {
     seats: &'a mut [Seat],
     sources: &'a [u32],
     /// Empty after phase 0.
-    movers: &'a mut [Mover],
+    movers: &'a mut [MoverRow],
     joints: JointRows<'a>,
     links: &'a mut [LinkRow],
     points: &'a mut [PointRow],
@@ -146,7 +147,7 @@ fn run_phase<E: Executor>(
     let (own, after) = rest.split_at_mut(end - first);
     let others = OtherSeats { before, after, end };
     let groups = &rows.groups[phase.first_group as usize..(phase.first_group + phase.groups) as usize];
-    let movers = if index == 0 { &mut rows.movers[..end] } else { &mut [] };
+    let movers = if index == 0 { &mut rows.movers[..end / LANES] } else { &mut [] };
     let joints = rows.joints.reborrow();
     let mut tasks = cut(groups, (own, &rows.sources[first..end], movers), (rows.links, rows.points, joints));
     crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
@@ -155,7 +156,7 @@ fn run_phase<E: Executor>(
 /// A task for each group of a phase, from the phase's slices.
 fn cut<'a>(
     groups: &[Group],
-    (mut seats, mut sources, mut movers): (&'a mut [Seat], &'a [u32], &'a mut [Mover]),
+    (mut seats, mut sources, mut movers): (&'a mut [Seat], &'a [u32], &'a mut [MoverRow]),
     (links, points, joints): (&'a mut [LinkRow], &'a mut [PointRow], JointRows<'a>),
 ) -> Tasks<Task<'a>> {
     let mut tasks = Tasks::new();
@@ -173,7 +174,7 @@ fn cut<'a>(
                 own
             },
             movers: {
-                let count = if movers.is_empty() { 0 } else { count };
+                let count = if movers.is_empty() { 0 } else { count / LANES };
                 take(&mut movers, count)
             },
             joints: joints.take(group),
@@ -199,11 +200,12 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
         others.pull(task.seats, task.sources);
     }
     if motion != Motion::None {
-        for (mover, seat) in task.movers.iter_mut().zip(task.seats.iter_mut()) {
+        let (seats, _) = task.seats.as_chunks_mut::<LANES>();
+        for (mover, seats) in task.movers.iter_mut().zip(seats) {
             match motion {
-                Motion::PushFirst => mover.push_first(seat),
-                Motion::PushAgain => mover.push_again(seat),
-                Motion::Advance => mover.advance(seat, sweep.substep),
+                Motion::PushFirst => mover.push_first(seats),
+                Motion::PushAgain => mover.push_again(seats),
+                Motion::Advance => mover.advance(seats, sweep.substep),
                 Motion::None => {}
             }
         }

@@ -430,7 +430,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             }
         }
         let principal = crate::state::principal_rotation(motion, row);
-        let root = integration::locked_or_free_root(principal, row.inertia, locks >> 3);
+        let (root, _) = integration::root_and_whitened(principal, row.inertia, locks >> 3, Vec3::ZERO);
         let turn = integration::root_times(&root, integration::root_times(&root, angular));
         validate::vector_within("impulse", motion.linear + change, SPEED_MAX)?;
         validate::vector_within("impulse", motion.angular + turn, SPEED_MAX)?;
