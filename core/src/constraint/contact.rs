@@ -43,6 +43,8 @@ pub(crate) struct Sweep {
     /// Substep, seconds.
     pub substep: f32,
     pub bias: Bias,
+    /// True when some rows move bodies by nudges; see `velocities.rs`.
+    pub nudges: bool,
     /// Approach below which nothing bounces, m/s.
     pub restitution_threshold: f32,
 }

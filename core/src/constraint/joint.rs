@@ -16,16 +16,17 @@ mod solve;
 
 pub(crate) use follow::{Bound, bounds_of, locks_of, place, weigh, wrench};
 
-use super::velocities::Velocities;
+use super::velocities::{Velocities, root_times};
 use crate::joint::Signature;
 use crate::lanes::{LANES, Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bytemuck::{Pod, Zeroable};
+use solve::Push;
 
 use super::contact::{Pass, Sweep};
 
 /// Share of the error of a rigid lock that a substep removes.
-pub(crate) const LOCK_PUSH: f32 = 0.2;
+pub(crate) const LOCK_PUSH: f32 = 0.3;
 /// Share of what a rigid limit is beyond that a substep removes.
 pub(crate) const LIMIT_PUSH: f32 = 0.2;
 /// A coordinate that is never reached.
@@ -46,16 +47,26 @@ pub(crate) struct JointLink {
     pub kinematic: u32,
     /// 1 when the next biased sweep has to apply the changes of the warm start.
     pub turns: u32,
+    /// 1 when a body of a lane is a free top: then `inertia` counts.
+    pub tops: u32,
     /// Zero.
-    pub reserved: [u32; 4],
+    pub reserved: [u32; 3],
     /// What the new axes change of the warm start: impulse on B, N s; whitened angular velocities of A and B. After
     /// the solve the first two are force and torque.
     pub turn_push: LaneVec,
     pub turn_a: LaneVec,
     pub turn_b: LaneVec,
-    /// W of both bodies: diagonal, then xy, xz, yz.
+    /// W of both bodies, fixed for the step: diagonal, then xy, xz, yz.
     pub root_a: [LaneVec; 2],
     pub root_b: [LaneVec; 2],
+    /// W at the orientations now, and the inverse of the fixed one. See [`Ways`].
+    pub now_a: [LaneVec; 2],
+    pub now_b: [LaneVec; 2],
+    pub back_a: [LaneVec; 2],
+    pub back_b: [LaneVec; 2],
+    /// 1 for a free top.
+    pub top_a: Lane,
+    pub top_b: Lane,
     /// From the centers to the points of the joint, and from the center of A to that of B.
     pub arm_a: LaneVec,
     pub arm_b: LaneVec,
@@ -128,6 +139,11 @@ pub(crate) struct BoundRow {
 }
 
 /// In which way a row's impulse acts: on B along `direction`, with the whitened torques `a` and `b`.
+///
+/// The seats hold momentum, whitened by the W of the step's start, and that is what an impulse changes. Which velocity
+/// it means turns with a body of unequal moments: `w = Wn Wn W^-1 w~` with the W of now. A joint on a slender rod that
+/// leaves this out feeds the spin about the rod. So a row reads by other vectors than it writes, and
+/// `read . write` is its share of the true `J M^-1 Jt`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(crate) struct Ways {
@@ -135,11 +151,44 @@ pub(crate) struct Ways {
     pub direction: LaneVec,
     pub a: LaneVec,
     pub b: LaneVec,
+    /// By which the rate is read; the same as `a` and `b` where no body is a top.
+    pub read_a: LaneVec,
+    pub read_b: LaneVec,
     /// Rate that immovable bodies' motion gives.
     pub drift: Lane,
 }
 
 impl JointLink {
+    /// The row whose impulse acts on B along `direction` with the torque `b`, and on A against it with `a`.
+    fn ways(&self, direction: LaneVec, (a, b): (LaneVec, LaneVec), drift: Lane) -> Ways {
+        let write = (root_times(&self.root_a, a), root_times(&self.root_b, b));
+        let mut read = write;
+        if self.tops != 0 {
+            let now =
+                |(root, back, top): (&[LaneVec; 2], &[LaneVec; 2], Lane), v: LaneVec, write: LaneVec| {
+                    let read = root_times(back, root_times(root, root_times(root, v)));
+                    top.greater(Lane::ZERO).select_vec(read, write)
+                };
+            read.0 = now((&self.now_a, &self.back_a, self.top_a), a, write.0);
+            read.1 = now((&self.now_b, &self.back_b, self.top_b), b, write.1);
+        }
+        Ways { direction, a: write.0, b: write.1, read_a: read.0, read_b: read.1, drift }
+    }
+
+    /// Angular velocities of both bodies.
+    fn spins(&self, u: &Velocities) -> (LaneVec, LaneVec) {
+        let (mut a, mut b) = (root_times(&self.root_a, u.wa), root_times(&self.root_b, u.wb));
+        if self.tops != 0 {
+            let now = |(now, back, top): (&[LaneVec; 2], &[LaneVec; 2], Lane), w: LaneVec, spin: LaneVec| {
+                let turned = root_times(now, root_times(now, root_times(back, w)));
+                top.greater(Lane::ZERO).select_vec(turned, spin)
+            };
+            a = now((&self.now_a, &self.back_a, self.top_a), u.wa, a);
+            b = now((&self.now_b, &self.back_b, self.top_b), u.wb, b);
+        }
+        (a + self.moves[1], b + self.moves[3])
+    }
+
     pub fn signature(&self) -> Signature {
         Signature(self.signature)
     }
@@ -148,7 +197,7 @@ impl JointLink {
 impl Ways {
     #[inline(always)]
     fn rate(&self, u: &Velocities) -> Lane {
-        u.rate(self.direction, self.a, self.b) + self.drift
+        u.rate(self.direction, self.read_a, self.read_b) + self.drift
     }
 
     #[inline(always)]
@@ -159,7 +208,8 @@ impl Ways {
     /// What an impulse of 1 along `self` changes of the rate of `other`.
     #[inline(always)]
     pub fn yields(&self, other: &Self, masses: LaneVec) -> Lane {
-        self.direction.dot(other.direction.each_times(masses)) + self.a.dot(other.a) + self.b.dot(other.b)
+        let torques = self.read_a.dot(other.a) + self.read_b.dot(other.b);
+        self.direction.dot(other.direction.each_times(masses)) + torques
     }
 }
 
@@ -200,16 +250,22 @@ fn visit_link<const N: usize>(
 ) {
     let Some(locks) = locks.first_chunk_mut::<N>() else { return };
     let mut u = Velocities::gather((&link.seats_a, &link.seats_b), seats, link.locked != 0);
-    if matches!(sweep.pass, Pass::Relax | Pass::Follow) {
-        follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb));
-        if sweep.pass == Pass::Follow {
-            return;
-        }
-    }
     match sweep.pass {
         Pass::Warm => solve::warm(&mut u, locks, bounds),
-        Pass::Biased => solve::biased(&mut u, link, (locks, bounds), sweep),
-        _ => solve::relaxed(&mut u, locks, bounds),
+        Pass::Biased => {
+            solve::biased(&mut u, link, (locks, bounds));
+            let mut nudges = u.gather_nudges((&link.seats_a, &link.seats_b), seats);
+            solve::nudge(&mut nudges, &u, (link, locks), sweep);
+            nudges.scatter_nudges((&link.seats_a, &link.seats_b), seats);
+        }
+        Pass::Follow => follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb)),
+        Pass::Relax => {
+            let before: [Push; N] = core::array::from_fn(|i| Push::of(&locks[i].ways));
+            follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb));
+            let ways = core::array::from_fn(|i| before[i].mean(&locks[i].ways));
+            solve::relaxed(&mut u, link, locks, bounds, Some(&ways));
+        }
+        _ => solve::relaxed(&mut u, link, locks, bounds, None),
     }
     u.scatter((&link.seats_a, &link.seats_b), seats);
 }

@@ -55,6 +55,37 @@ impl Velocities {
         }
     }
 
+    /// The nudges of the same bodies: velocities that move them in this substep and are then forgotten. They lie
+    /// where the motion is noted later.
+    #[inline(always)]
+    pub fn gather_nudges(&self, (seats_a, seats_b): Ends<'_>, seats: &[Seat]) -> Self {
+        let a = transpose(seats_a.map(|i| seats[i as usize].moved));
+        let b = transpose(seats_b.map(|i| seats[i as usize].moved));
+        Self {
+            va: LaneVec::new(a[0], a[1], a[2]),
+            wa: LaneVec::new(a[4], a[5], a[6]),
+            vb: LaneVec::new(b[0], b[1], b[2]),
+            wb: LaneVec::new(b[4], b[5], b[6]),
+            ma: self.ma,
+            mb: self.mb,
+            rest_a: [Lane::ZERO; 2],
+            rest_b: [Lane::ZERO; 2],
+        }
+    }
+
+    /// Writes nudges back.
+    #[inline(always)]
+    pub fn scatter_nudges(&self, (seats_a, seats_b): Ends<'_>, seats: &mut [Seat]) {
+        let (va, wa, zero) = (self.va, self.wa, Lane::ZERO);
+        let a = transpose_back([va.x, va.y, va.z, zero, wa.x, wa.y, wa.z, zero]);
+        let (vb, wb) = (self.vb, self.wb);
+        let b = transpose_back([vb.x, vb.y, vb.z, zero, wb.x, wb.y, wb.z, zero]);
+        for i in 0..LANES {
+            seats[seats_a[i] as usize].moved = a[i];
+            seats[seats_b[i] as usize].moved = b[i];
+        }
+    }
+
     /// Rate of the row with direction `d` and jacobians `ja`, `jb`.
     #[inline(always)]
     pub fn rate(&self, d: LaneVec, ja: LaneVec, jb: LaneVec) -> Lane {

@@ -236,13 +236,17 @@ impl LaneRotation {
         }
     }
 
+    /// A vector, rotated.
+    #[inline(always)]
+    pub fn rotate(self, v: LaneVec) -> LaneVec {
+        let t = self.imaginary.cross(v).times(Lane::splat(2.0));
+        v + t.times(self.real) + self.imaginary.cross(t)
+    }
+
     /// `yes` where true, `no` where false.
     #[inline(always)]
     pub fn select(mask: Mask, yes: Self, no: Self) -> Self {
-        Self {
-            imaginary: mask.select_vec(yes.imaginary, no.imaginary),
-            real: mask.select(yes.real, no.real),
-        }
+        Self { imaginary: mask.select_vec(yes.imaginary, no.imaginary), real: mask.select(yes.real, no.real) }
     }
 
     /// See [`Rotation::renormalized`].
@@ -364,6 +368,24 @@ pub(crate) fn swing(frame: LaneRotation, turn: LaneVec, (near, far): (Lane, Lane
         total = LaneRotation::select(goes_on, step.after(total), total);
     }
     total
+}
+
+/// The turn that a top's momentum means now, if `turn` is that by its reference moment.
+pub(crate) fn spun(frame: LaneRotation, turn: LaneVec, (near, far): (Lane, Lane)) -> LaneVec {
+    let (second, third) = (frame.second(), frame.third());
+    turn + second.times(turn.dot(second) * near) + third.times(turn.dot(third) * far)
+}
+
+/// `m^-1 v` for a symmetric matrix (diagonal, then xy, xz, yz); 0 where it has none.
+pub(crate) fn solve([d, o]: &[LaneVec; 2], v: LaneVec) -> LaneVec {
+    let columns = [LaneVec::new(d.x, o.x, o.y), LaneVec::new(o.x, d.y, o.z), LaneVec::new(o.y, o.z, d.z)];
+    let [a, b, c] = columns;
+    let cofactors = [b.cross(c), c.cross(a), a.cross(b)];
+    let determinant = a.dot(cofactors[0]);
+    let stands = not_zero(determinant);
+    let one = Lane::splat(1.0);
+    let inverse = stands.select(one / stands.select(determinant, one), Lane::ZERO);
+    LaneVec::new(cofactors[0].dot(v), cofactors[1].dot(v), cofactors[2].dot(v)).times(inverse)
 }
 
 /// In how many parts a swing is taken.

@@ -13,11 +13,13 @@ use crate::lanes::{LANES, LaneVec};
 use crate::math::{PI, Pose, Rotation, Vec3, length, min};
 use crate::pipeline::Counts;
 use crate::pipeline::assembly::Scene;
+use crate::pipeline::integration::{along_axes, square_roots};
 use crate::pipeline::layout::{EMPTY, Group, Plan};
+use crate::pipeline::mover;
 use crate::pipeline::solver::{JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::BOX_STALE;
-use crate::state::{Cache, Scratch, State};
+use crate::state::{Cache, Scratch, State, principal_rotation};
 use bytemuck::Zeroable;
 
 /// Joints that are worth a task.
@@ -90,12 +92,28 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: u
         let free = |axis: u32| if locks >> axis & 1 == 1 { 0.0 } else { body.inverse_mass };
         masses += Vec3::new(free(0), free(1), free(2));
         let root = if end == 0 { &mut link.root_a } else { &mut link.root_b };
-        let [xx, yy, zz, xy, xz, yz] = body.root;
-        root[0].set(lane, Vec3::new(xx, yy, zz));
-        root[1].set(lane, Vec3::new(xy, xz, yz));
+        set_root(root, &body.root, lane);
+        let row = &scene.bodies[slot];
+        if mover::is_top(row) {
+            let (now, back, top) = if end == 0 {
+                (&mut link.now_a, &mut link.back_a, &mut link.top_a)
+            } else {
+                (&mut link.now_b, &mut link.back_b, &mut link.top_b)
+            };
+            let principal = principal_rotation(&scene.motions[slot], row).matrix();
+            set_root(now, &body.root, lane);
+            set_root(back, &along_axes(&principal, square_roots(row.inertia)), lane);
+            top.set(lane, 1.0);
+            link.tops = 1;
+        }
     }
     set_frames(scene, link, joint, lane);
     masses
+}
+
+fn set_root(to: &mut [LaneVec; 2], &[xx, yy, zz, xy, xz, yz]: &[f32; 6], lane: usize) {
+    to[0].set(lane, Vec3::new(xx, yy, zz));
+    to[1].set(lane, Vec3::new(xy, xz, yz));
 }
 
 /// Writes arms and axes. Held axes are held at 0 of these frames.

@@ -108,11 +108,14 @@ impl MoverRow {
 
     /// Velocities of a later substep: as the first, then the impulses of the substep before as warm start. Their
     /// sum on a body is the difference `v - star` that they made.
-    pub fn push_again(&mut self, seats: &mut [Seat; LANES]) {
+    pub fn push_again(&mut self, seats: &mut [Seat; LANES], nudges: bool) {
         for (lane, seat) in seats.iter_mut().enumerate() {
             let warm = seat.velocity - self.star[lane];
             self.star[lane] = self.pushed(lane, seat.velocity);
             seat.velocity = self.star[lane] + warm;
+            if nudges {
+                seat.moved = Words::ZERO;
+            }
         }
     }
 
@@ -125,8 +128,9 @@ impl MoverRow {
         (v + tiny) - tiny
     }
 
-    /// Moves the bodies by their velocities for a substep, and notes the motion in the seats.
-    pub fn advance(&mut self, seats: &mut [Seat; LANES], substep: f32) {
+    /// Moves the bodies by their velocities, and their nudges if there are any, for a substep, and notes the motion
+    /// in the seats.
+    pub fn advance(&mut self, seats: &mut [Seat; LANES], substep: f32, nudges: bool) {
         let (mut v, mut whitened) = velocities(seats);
         let mut turn = root_times(&self.turn, whitened);
         // Squares of finite numbers may be infinite: then the speed is capped.
@@ -137,9 +141,10 @@ impl MoverRow {
             turn = root_times(&self.turn, whitened);
         }
         let h = Lane::splat(substep);
-        let moved = v.times(h);
+        let nudge = if nudges { self.take_nudges(seats, turn, substep) } else { Nudge::NONE };
+        let moved = (v + nudge.linear).times(h);
         self.displacement = self.displacement + moved;
-        let turned = self.turn_by(turn, whitened.times(h));
+        let turned = self.turn_by(turn, whitened.times(h), &nudge);
         let zero = Lane::ZERO;
         let rows = transpose_back([moved.x, moved.y, moved.z, zero, turned.x, turned.y, turned.z, zero]);
         for (seat, moved) in seats.iter_mut().zip(rows) {
@@ -149,19 +154,44 @@ impl MoverRow {
 
     /// Turns the bodies. `whitened` is the whitened rotation vector of those that are no tops; returns that of all.
     #[inline(always)]
-    fn turn_by(&mut self, turn: LaneVec, whitened: LaneVec) -> LaneVec {
+    fn turn_by(&mut self, turn: LaneVec, whitened: LaneVec, nudge: &Nudge) -> LaneVec {
         let mut rotation = LaneRotation::by(turn);
-        let mut turned = whitened;
+        if nudge.any {
+            rotation = LaneRotation::by(nudge.turn).after(rotation);
+        }
+        let mut turned = whitened + nudge.whitened;
         if self.tops != 0 {
             // World angular momentum stays, the orientation follows.
             let tops = self.top.greater(Lane::ZERO);
             let whole = rotation.after(integration::swing(self.frame, turn, (self.near, self.far)));
             rotation = LaneRotation::select(tops, whole, rotation);
             let vector = root_times(&self.turn, whole.vector()).times(self.whitening);
-            turned = tops.select_vec(vector, whitened);
+            turned = tops.select_vec(vector, turned);
         }
         self.frame = rotation.after(self.frame).renormalized();
         turned
+    }
+
+    /// The nudges that joints have left in the seats, for a substep. A top that is nudged takes its momentum with it:
+    /// if that stayed in the world, a slender body would gain spin about its axis from every correction.
+    #[cold]
+    fn take_nudges(&mut self, seats: &mut [Seat; LANES], momentum: LaneVec, substep: f32) -> Nudge {
+        let n = transpose([0, 1, 2, 3, 4, 5, 6, 7].map(|lane: usize| seats[lane].moved));
+        let (linear, whitened) = (LaneVec::new(n[0], n[1], n[2]), LaneVec::new(n[4], n[5], n[6]));
+        let mut turn = root_times(&self.turn, whitened);
+        if self.tops != 0 {
+            let tops = self.top.greater(Lane::ZERO);
+            turn = tops.select_vec(integration::spun(self.frame, turn, (self.near, self.far)), turn);
+            let change = LaneRotation::by(turn).rotate(momentum) - momentum;
+            let change = tops.keep_vec(integration::solve(&self.turn, change));
+            let zero = Lane::ZERO;
+            let rows = transpose_back([zero, zero, zero, zero, change.x, change.y, change.z, zero]);
+            for ((seat, star), change) in seats.iter_mut().zip(&mut self.star).zip(rows) {
+                seat.velocity = seat.velocity + change;
+                *star = *star + change;
+            }
+        }
+        Nudge { linear, turn, whitened: whitened.times(Lane::splat(substep)), any: true }
     }
 
     /// Caps speed and spin at the documented maxima.
@@ -204,8 +234,24 @@ impl MoverRow {
     }
 }
 
+/// A motion beside the velocities; see `constraint/velocities.rs`.
+struct Nudge {
+    /// m/s.
+    linear: LaneVec,
+    /// Rotation vector of the substep, radians.
+    turn: LaneVec,
+    /// The same whitened, of bodies that are no tops.
+    whitened: LaneVec,
+    any: bool,
+}
+
+impl Nudge {
+    const NONE: Self =
+        Self { linear: LaneVec::ZERO, turn: LaneVec::ZERO, whitened: LaneVec::ZERO, any: false };
+}
+
 /// True when a body of unequal moments turns about all axes.
-fn is_top(row: &BodyRow) -> bool {
+pub(crate) fn is_top(row: &BodyRow) -> bool {
     let equal = row.inertia.x == row.inertia.y && row.inertia.y == row.inertia.z;
     !equal && row.locks() >> 3 == 0
 }

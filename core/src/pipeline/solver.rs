@@ -106,6 +106,7 @@ pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew:
         visits,
         substep,
         bias: bias(settings),
+        nudges: rows.plan.joints > 0,
         restitution_threshold: settings.restitution_threshold,
     };
     let (sweeps, relax_sweeps) = (settings.sweeps, settings.relax_sweeps);
@@ -204,8 +205,8 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
         for (mover, seats) in task.movers.iter_mut().zip(seats) {
             match motion {
                 Motion::PushFirst => mover.push_first(seats),
-                Motion::PushAgain => mover.push_again(seats),
-                Motion::Advance => mover.advance(seats, sweep.substep),
+                Motion::PushAgain => mover.push_again(seats, sweep.nudges),
+                Motion::Advance => mover.advance(seats, sweep.substep, sweep.nudges),
                 Motion::None => {}
             }
         }

@@ -118,34 +118,20 @@ fn shift(link: &JointLink, direction: LaneVec) -> Ways {
         let [va, wa, vb, wb] = link.moves;
         drift = direction.dot((vb + wb.cross(link.arm_b)) - (va + wa.cross(arm_a)));
     }
-    Ways {
-        direction,
-        a: root_times(&link.root_a, arm_a.cross(direction)),
-        b: root_times(&link.root_b, link.arm_b.cross(direction)),
-        drift,
-    }
+    link.ways(direction, (arm_a.cross(direction), link.arm_b.cross(direction)), drift)
 }
 
 /// A row about an axis.
 fn turn(link: &JointLink, axis: LaneVec) -> Ways {
     let drift = if link.kinematic != 0 { axis.dot(link.moves[3] - link.moves[1]) } else { Lane::ZERO };
-    Ways {
-        direction: LaneVec::ZERO,
-        a: root_times(&link.root_a, axis),
-        b: root_times(&link.root_b, axis),
-        drift,
-    }
+    link.ways(LaneVec::ZERO, (axis, axis), drift)
 }
 
 /// The turn of A's x axis plus `ratio` times that of B's.
 fn gear(link: &JointLink) -> Ways {
     let (xa, xb) = (link.axes_a[0], link.axes_b[0].times(link.ratio));
-    Ways {
-        direction: LaneVec::ZERO,
-        a: LaneVec::ZERO - root_times(&link.root_a, xa),
-        b: root_times(&link.root_b, xb),
-        drift: if link.kinematic != 0 { xa.dot(link.moves[1]) + xb.dot(link.moves[3]) } else { Lane::ZERO },
-    }
+    let drift = if link.kinematic != 0 { xa.dot(link.moves[1]) + xb.dot(link.moves[3]) } else { Lane::ZERO };
+    link.ways(LaneVec::ZERO, (LaneVec::ZERO - xa, xb), drift)
 }
 
 /// The shift of B along its x axis less that of the pinion's rim, where the force acts.
@@ -158,12 +144,7 @@ fn rack(link: &JointLink) -> Ways {
         let [va, wa, vb, wb] = link.moves;
         drift = direction.dot((vb + wb.cross(arm_b)) - (va + wa.cross(rim)));
     }
-    Ways {
-        direction,
-        a: root_times(&link.root_a, rim.cross(direction)),
-        b: root_times(&link.root_b, arm_b.cross(direction)),
-        drift,
-    }
+    link.ways(direction, (rim.cross(direction), arm_b.cross(direction)), drift)
 }
 
 impl JointLink {
@@ -341,6 +322,10 @@ fn advance(link: &mut JointLink, seats: &[Seat], substep: f32) -> [LaneVec; 3] {
     if signature.turns() {
         link.axes_b = link.axes_b.map(|axis| about_b.of(axis));
     }
+    if link.tops != 0 {
+        link.now_a = about_a.of_root(&link.now_a);
+        link.now_b = about_b.of_root(&link.now_b);
+    }
     [moved, turn_a, turn_b]
 }
 
@@ -374,5 +359,15 @@ impl Turning {
     fn of(&self, v: LaneVec) -> LaneVec {
         let across = self.vector.cross(v);
         v + across.times(self.sine) + self.vector.cross(across).times(self.cosine)
+    }
+    /// R W Rt of a symmetric matrix W (diagonal, then xy, xz, yz).
+    fn of_root(&self, [d, o]: &[LaneVec; 2]) -> [LaneVec; 2] {
+        let columns = [LaneVec::new(d.x, o.x, o.y), LaneVec::new(o.x, d.y, o.z), LaneVec::new(o.y, o.z, d.z)]
+            .map(|c| self.of(c));
+        // Rows of R W, turned again.
+        let row =
+            |i: fn(&LaneVec) -> Lane| self.of(LaneVec::new(i(&columns[0]), i(&columns[1]), i(&columns[2])));
+        let (x, y, z) = (row(|c| c.x), row(|c| c.y), row(|c| c.z));
+        [LaneVec::new(x.x, y.y, z.z), LaneVec::new(x.y, x.z, y.z)]
     }
 }

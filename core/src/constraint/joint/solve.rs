@@ -1,8 +1,8 @@
 //! A visit of eight joints: bounds one by one, then the locks at once.
 
 use super::super::contact::Sweep;
-use super::super::velocities::{Velocities, root_times};
-use super::{BoundRow, JointLink, LockRow};
+use super::super::velocities::Velocities;
+use super::{BoundRow, JointLink, LockRow, Ways};
 use crate::lanes::{Lane, LaneVec, Mask};
 
 /// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
@@ -23,45 +23,115 @@ pub(super) fn biased<const N: usize>(
     u: &mut Velocities,
     link: &mut JointLink,
     (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
-    sweep: &Sweep,
 ) {
     if link.turns != 0 {
         u.push(link.turn_push, (link.turn_a, link.turn_b));
         link.turns = 0;
     }
-    let curvature = curvature(u, link, sweep.substep);
     for row in bounds {
         row.aim(true);
-        let extra = row.ways.direction.dot(curvature);
-        row.solve(u, if row.limits != 0 { extra } else { Lane::ZERO });
+        row.solve(u);
     }
     for row in locks.iter_mut() {
-        row.aim = row.error * row.rate + row.ways.direction.dot(curvature);
+        // A spring is a force; the errors of rigid locks are nudged away.
+        row.aim = row.give.greater(Lane::ZERO).keep(row.error * row.rate);
     }
     let wanted = core::array::from_fn(|i| locks[i].aim + locks[i].give * locks[i].impulse);
-    solve_locks(u, locks, wanted);
+    let x = solve_locks(u, locks, wanted);
+    for (row, x) in locks.iter_mut().zip(x) {
+        let after = (row.impulse + x).finite().flushed();
+        row.ways.apply(u, after - row.impulse);
+        row.impulse = after;
+    }
 }
 
-/// A sweep without: what gives still wants its own.
-pub(super) fn relaxed<const N: usize>(u: &mut Velocities, locks: &mut [LockRow; N], bounds: &mut [BoundRow]) {
+/// Moves the bodies of rigid locks towards where they belong. The nudges are gone after the substep, so that no
+/// error of position ever becomes velocity, or load (split impulses).
+pub(super) fn nudge<const N: usize>(
+    nudges: &mut Velocities,
+    u: &Velocities,
+    (link, locks): (&JointLink, &[LockRow; N]),
+    sweep: &Sweep,
+) {
+    let curvature = curvature(u, link, sweep.substep);
+    let wanted = core::array::from_fn(|i| {
+        let row = &locks[i];
+        row.error * row.rate + row.ways.direction.dot(curvature)
+    });
+    let x = solve_locks(nudges, locks, wanted);
+    for (row, x) in locks.iter().zip(x) {
+        let x = row.give.greater(Lane::ZERO).select(Lane::ZERO, x.finite());
+        row.ways.apply(nudges, x);
+    }
+}
+
+/// A sweep without: what gives still wants its own. Impulses of locks act along `ways`.
+pub(super) fn relaxed<const N: usize>(
+    u: &mut Velocities,
+    link: &mut JointLink,
+    locks: &mut [LockRow; N],
+    bounds: &mut [BoundRow],
+    ways: Option<&[Push; N]>,
+) {
     for row in bounds {
         row.aim(false);
-        row.solve(u, Lane::ZERO);
+        row.solve(u);
     }
     let wanted = core::array::from_fn(|i| {
         let row = &locks[i];
         // A spring keeps its aim; a rigid row leaves the velocity without correction.
         row.give.greater(Lane::ZERO).keep(row.aim) + row.give * row.impulse
     });
-    solve_locks(u, locks, wanted);
+    let x = solve_locks(u, locks, wanted);
+    for (i, (row, x)) in locks.iter_mut().zip(x).enumerate() {
+        let after = (row.impulse + x).finite().flushed();
+        let x = after - row.impulse;
+        row.impulse = after;
+        let Some(ways) = ways else {
+            row.ways.apply(u, x);
+            continue;
+        };
+        ways[i].apply(u, x);
+        // The next substep's warm start is along the axes of now.
+        link.turn_push = link.turn_push + (row.ways.direction - ways[i].direction).times(x);
+        link.turn_a = link.turn_a + (row.ways.a - ways[i].a).times(x);
+        link.turn_b = link.turn_b + (row.ways.b - ways[i].b).times(x);
+    }
+}
+
+/// What an impulse of 1 changes.
+pub(super) struct Push {
+    direction: LaneVec,
+    a: LaneVec,
+    b: LaneVec,
+}
+
+impl Push {
+    pub fn of(ways: &Ways) -> Self {
+        Self { direction: ways.direction, a: ways.a, b: ways.b }
+    }
+
+    /// The mean of this and another.
+    pub fn mean(&self, other: &Ways) -> Self {
+        let half = Lane::splat(0.5);
+        Self {
+            direction: (self.direction + other.direction).times(half),
+            a: (self.a + other.a).times(half),
+            b: (self.b + other.b).times(half),
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&self, u: &mut Velocities, x: Lane) {
+        u.apply(self.direction, (self.a, self.b), x);
+    }
 }
 
 /// How much faster the points part at the end of a substep than now because the bodies turn: half a substep's
 /// centripetal acceleration.
 #[inline(always)]
 fn curvature(u: &Velocities, link: &JointLink, substep: f32) -> LaneVec {
-    let spin_a = root_times(&link.root_a, u.wa) + link.moves[1];
-    let spin_b = root_times(&link.root_b, u.wb) + link.moves[3];
+    let (spin_a, spin_b) = link.spins(u);
     let about_a = spin_a.cross(link.arm_a);
     let about_b = spin_b.cross(link.arm_b);
     let half = Lane::splat(0.5 * substep);
@@ -91,11 +161,11 @@ impl BoundRow {
         self.greatest = keeps.select(self.greatest, self.target - high.least(self.push));
     }
 
-    /// One step of the row. `extra` is a rate beyond that of the velocities.
+    /// One step of the row.
     #[inline(always)]
-    fn solve(&mut self, u: &mut Velocities, extra: Lane) {
+    fn solve(&mut self, u: &mut Velocities) {
         // The rate that there would be without the row's impulse, and the impulse that brings it into its bounds.
-        let free = self.ways.rate(u) + extra - self.yields * self.impulse;
+        let free = self.ways.rate(u) - self.yields * self.impulse;
         let raise = (self.least - free) * self.mass;
         let lower = (self.greatest - free) * self.mass;
         let x = raise.greatest(Lane::ZERO) + lower.least(Lane::ZERO);
@@ -105,9 +175,9 @@ impl BoundRow {
     }
 }
 
-/// Solves all locks at once: `(K + give) x = -(rate + wanted)`.
+/// The impulses that solve all locks at once: `(K + give) x = -(rate + wanted)`.
 #[inline(always)]
-fn solve_locks<const N: usize>(u: &mut Velocities, locks: &mut [LockRow; N], wanted: [Lane; N]) {
+fn solve_locks<const N: usize>(u: &Velocities, locks: &[LockRow; N], wanted: [Lane; N]) -> [Lane; N] {
     let mut x = [Lane::ZERO; N];
     for i in 0..N {
         let mut y = -(locks[i].ways.rate(u) + wanted[i]);
@@ -123,11 +193,7 @@ fn solve_locks<const N: usize>(u: &mut Velocities, locks: &mut [LockRow; N], wan
         }
         x[i] = y;
     }
-    for (row, x) in locks.iter_mut().zip(x) {
-        let after = (row.impulse + x).finite().flushed();
-        row.ways.apply(u, after - row.impulse);
-        row.impulse = after;
-    }
+    x
 }
 
 /// Factors `K + give` into `L D Lt`. A row that the rows before it imply gets no pivot, and no impulse. `masses` are
