@@ -190,7 +190,14 @@ fn fourbar(n: u32, sw: u32, rs: u32) {
     for _k in 0..3600 {
         w.step(&mut Serial);
         e = energy(&w);
-        emax = emax.max((e - e0).abs()); if std::env::var("TR").is_ok() && (_k < 40 || _k % 20 == 0) && _k < 600 { let c: Vec<[f32;6]> = js.iter().map(|&j| w.joint_coordinates(j).unwrap()).collect(); println!("{_k} E {e:.4} {:?}", c.iter().map(|c| [c[0],c[1],c[2],c[4],c[5]]).collect::<Vec<_>>()); }
+        emax = emax.max((e - e0).abs());
+        if std::env::var("TR").is_ok() && (_k < 40 || _k % 20 == 0) && _k < 600 {
+            let c: Vec<[f32; 6]> = js.iter().map(|&j| w.joint_coordinates(j).unwrap()).collect();
+            println!(
+                "{_k} E {e:.4} {:?}",
+                c.iter().map(|c| [c[0], c[1], c[2], c[4], c[5]]).collect::<Vec<_>>()
+            );
+        }
         for &j in &js {
             let c = w.joint_coordinates(j).unwrap();
             gap = gap.max((c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).sqrt());
@@ -288,7 +295,12 @@ fn main() {
         }
     }
     if has("four") {
-        for (n, s, r) in [(4,1,1),(8,1,1),(8,2,1),(8,1,2),(8,4,4),(8,16,16),(16,1,1),(16,4,4)] { print!("{s} {r} "); fourbar(n, s, r); }
+        for (n, s, r) in
+            [(4, 1, 1), (8, 1, 1), (8, 2, 1), (8, 1, 2), (8, 4, 4), (8, 16, 16), (16, 1, 1), (16, 4, 4)]
+        {
+            print!("{s} {r} ");
+            fourbar(n, s, r);
+        }
     }
     if has("net") {
         net(50, 200, 4);

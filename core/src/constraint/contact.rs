@@ -45,6 +45,8 @@ pub(crate) struct Sweep {
     pub bias: Bias,
     /// True when some rows move bodies by nudges; see `velocities.rs`.
     pub nudges: bool,
+    /// True when the substep has more than one relax sweep of a row.
+    pub relaxes_again: bool,
     /// Approach below which nothing bounces, m/s.
     pub restitution_threshold: f32,
 }

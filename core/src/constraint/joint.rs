@@ -100,6 +100,8 @@ pub(crate) struct LockRow {
     /// Row of the factor L (below the diagonal) and the inverse of D in `K + give = L D Lt`.
     pub factor: [Lane; 5],
     pub inverse: Lane,
+    /// The mean of the ways at both ends of the substep, for later relax sweeps of it; else of no meaning.
+    pub mean: Push,
 }
 
 /// A row with bounds, of each of eight joints: a limit, a drive or friction.
@@ -262,10 +264,16 @@ fn visit_link<const N: usize>(
         Pass::Relax => {
             let before: [Push; N] = core::array::from_fn(|i| Push::of(&locks[i].ways));
             follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb));
-            let ways = core::array::from_fn(|i| before[i].mean(&locks[i].ways));
-            solve::relaxed(&mut u, link, locks, bounds, Some(&ways));
+            let means: [Push; N] = core::array::from_fn(|i| before[i].mean(&locks[i].ways));
+            solve::relaxed(&mut u, link, (locks, bounds), &means);
+            if sweep.relaxes_again {
+                locks.iter_mut().zip(means).for_each(|(row, mean)| row.mean = mean);
+            }
         }
-        _ => solve::relaxed(&mut u, link, locks, bounds, None),
+        _ => {
+            let means: [Push; N] = core::array::from_fn(|i| locks[i].mean);
+            solve::relaxed(&mut u, link, (locks, bounds), &means);
+        }
     }
     u.scatter((&link.seats_a, &link.seats_b), seats);
 }

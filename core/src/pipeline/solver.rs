@@ -101,12 +101,14 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
 /// Solves and integrates the step.
 pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
     let substep = settings.substep();
+    let nudges = rows.plan.joints > 0;
     let sweep = |pass, visits| Sweep {
         pass,
         visits,
         substep,
         bias: bias(settings),
-        nudges: rows.plan.joints > 0,
+        nudges,
+        relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
         restitution_threshold: settings.restitution_threshold,
     };
     let (sweeps, relax_sweeps) = (settings.sweeps, settings.relax_sweeps);

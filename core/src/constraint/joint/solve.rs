@@ -4,6 +4,7 @@ use super::super::contact::Sweep;
 use super::super::velocities::Velocities;
 use super::{BoundRow, JointLink, LockRow, Ways};
 use crate::lanes::{Lane, LaneVec, Mask};
+use bytemuck::{Pod, Zeroable};
 
 /// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
 const PIVOT_SHARE: f32 = 1.0e-5;
@@ -65,13 +66,16 @@ pub(super) fn nudge<const N: usize>(
     }
 }
 
-/// A sweep without: what gives still wants its own. Impulses of locks act along `ways`.
+/// A sweep without: what gives still wants its own.
+///
+/// The velocities are to fit the axes at the end of the substep, and the impulses that make them fit act along the mean
+/// of the axes at its two ends: then they do no work (a velocity that is turned from one tangent to the next keeps its
+/// length when it is pushed along the chord's normal).
 pub(super) fn relaxed<const N: usize>(
     u: &mut Velocities,
     link: &mut JointLink,
-    locks: &mut [LockRow; N],
-    bounds: &mut [BoundRow],
-    ways: Option<&[Push; N]>,
+    (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
+    means: &[Push; N],
 ) {
     for row in bounds {
         row.aim(false);
@@ -83,24 +87,22 @@ pub(super) fn relaxed<const N: usize>(
         row.give.greater(Lane::ZERO).keep(row.aim) + row.give * row.impulse
     });
     let x = solve_locks(u, locks, wanted);
-    for (i, (row, x)) in locks.iter_mut().zip(x).enumerate() {
+    for ((row, mean), x) in locks.iter_mut().zip(means).zip(x) {
         let after = (row.impulse + x).finite().flushed();
         let x = after - row.impulse;
         row.impulse = after;
-        let Some(ways) = ways else {
-            row.ways.apply(u, x);
-            continue;
-        };
-        ways[i].apply(u, x);
+        mean.apply(u, x);
         // The next substep's warm start is along the axes of now.
-        link.turn_push = link.turn_push + (row.ways.direction - ways[i].direction).times(x);
-        link.turn_a = link.turn_a + (row.ways.a - ways[i].a).times(x);
-        link.turn_b = link.turn_b + (row.ways.b - ways[i].b).times(x);
+        link.turn_push = link.turn_push + (row.ways.direction - mean.direction).times(x);
+        link.turn_a = link.turn_a + (row.ways.a - mean.a).times(x);
+        link.turn_b = link.turn_b + (row.ways.b - mean.b).times(x);
     }
 }
 
 /// What an impulse of 1 changes.
-pub(super) struct Push {
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct Push {
     direction: LaneVec,
     a: LaneVec,
     b: LaneVec,
