@@ -30,8 +30,7 @@ use crate::report::StepReport;
 use crate::shape::{
     GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HALF_SPACE, GEOMETRY_HULL, GEOMETRY_MESH, ShapeRow,
 };
-use crate::state::{Active, AssetTables, Cache, Scratch, State};
-use bytemuck::Zeroable;
+use crate::state::{AssetTables, Cache, Scratch, State};
 use layout::Plan;
 use tasks::{ALONE_BODIES, ALONE_CONTACTS, Crew};
 
@@ -69,11 +68,13 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let is_alone = header.contacts < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
-    broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    let moved =
+        broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Narrowphase);
-    let change = narrowphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    let looks = (&*assets, settings.dt, moved);
+    let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
-    let bodies = activate(state, scratch);
+    let bodies = activate(state, scratch, &mut crew);
     crew.executor.enter(Stage::Ordering);
     let change = (&change, settings.block_links, bodies);
     let plan = ordering::run(state, (cache, scratch), change, scheduler);
@@ -92,25 +93,24 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     };
     solver::solve(&mut rows, settings, &mut crew);
     crew.executor.enter(Stage::Finish);
-    finish::index_points(&cache.groups[..plan.groups], scratch.link_rows, scratch.row_points);
     finish::run(state, (cache, scratch), (&plan, settings.dt), (&mut crew, &mut counts));
     crew.executor.leave();
     report(state, Some(&plan), (bodies as u32, &counts, crew.barriers))
 }
 
 /// Lists the bodies that take part in the solve, and the links between them.
-fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
+fn activate<E: Executor>(state: &State<'_>, scratch: &mut Scratch<'_>, crew: &mut Crew<'_, E>) -> usize {
     let header = &state.header[0];
     let mut count = 0;
     scratch.active_of[..header.bodies.high as usize].fill(IMMOVABLE);
     for slot in pool::iterate(state.body_used, header.bodies.high) {
         if state.bodies[slot as usize].is_dynamic() {
             scratch.active_of[slot as usize] = count as u32;
-            scratch.active[count] = Active { body: slot, ..Active::zeroed() };
+            scratch.active[count].body = slot;
             count += 1;
         }
     }
-    ordering::write_links(state, scratch);
+    ordering::write_links(state, scratch, crew);
     count
 }
 

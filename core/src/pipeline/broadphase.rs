@@ -25,16 +25,17 @@ const UPDATE_SHAPES: usize = 256;
 /// Moved shapes for which a search is worth a task.
 const SEARCH_SHAPES: usize = 64;
 
+/// Brings the pairs up to date. Says how many shapes left their boxes: they are listed in the scratch.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
     (assets, dt): (&AssetTables<'_>, f32),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
-) {
+) -> usize {
     update_boxes(state, (assets, dt), (cache.header[0].sector, scratch), crew);
     let (moved, statics_moved) = list_moved(state, scratch);
     if moved == 0 && state.header[0].pairs_stale == 0 {
-        return;
+        return 0;
     }
     if statics_moved {
         state.header[0].static_version += 1;
@@ -43,6 +44,7 @@ pub(crate) fn run<E: Executor>(
     refresh_trees(state, cache, scratch);
     find_pairs(state, cache, scratch, (moved, crew, counts));
     clear_flags(state, &scratch.moved[..moved]);
+    moved
 }
 
 /// Computes the shapes' frames, makes new boxes for shapes that left theirs, and marks those.

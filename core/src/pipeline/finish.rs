@@ -10,7 +10,7 @@ use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::Counts;
 use crate::pipeline::integration;
-use crate::pipeline::layout::{Group, Plan};
+use crate::pipeline::layout::Plan;
 use crate::pipeline::mover::{MoverRow, angular_velocity};
 use crate::pipeline::seat::Seat;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
@@ -223,17 +223,6 @@ fn drop_shapes_of_quarantined(state: &mut State<'_>) {
             if state.bodies[shape.body as usize].has(body::QUARANTINED) {
                 shape.flags |= BOX_STALE | crate::shape::FRESH;
             }
-        }
-    }
-}
-
-/// Writes the first point of each row, so that contacts find theirs.
-pub(crate) fn index_points(groups: &[Group], links: &[LinkRow], row_points: &mut [u32]) {
-    for group in groups {
-        let mut next = group.first_point;
-        for row in group.first_row as usize..(group.first_row + group.rows) as usize {
-            row_points[row] = next;
-            next += links[row].points;
         }
     }
 }

@@ -18,18 +18,19 @@ use bytemuck::Zeroable;
 /// Pairs that are worth a task.
 const COLLIDE_PAIRS: usize = 64;
 
-/// Finds the contacts of the step. Says which began and ended.
+/// Finds the contacts of the step. Says which began and ended. `moved` shapes are listed in the scratch: new and
+/// changed ones are among them.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt): (&AssetTables<'_>, f32),
+    (assets, dt, moved): (&AssetTables<'_>, f32, usize),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
     let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
     let change = contacts::merge(state, (cache, scratch), &yields, (crew, counts));
-    for shape in &mut state.shapes[..state.header[0].shapes.high as usize] {
-        shape.flags &= !FRESH;
+    for &slot in &scratch.moved[..moved] {
+        state.shapes[slot as usize].flags &= !FRESH;
     }
     change
 }
@@ -69,7 +70,7 @@ fn collide_pairs<E: Executor>(
         let own = &pairs[run * share..pair_count.min((run + 1) * share)];
         // The contacts before the next task's first pair; those without a pair end.
         let next = pairs.get((run + 1) * share);
-        let contacts = next.map_or(rows.len(), |next| rows.partition_point(|row| row.pair < *next));
+        let contacts = next.map_or(rows.len(), |next| count_before(rows, next));
         let more = look.extra_births(own).min(extra);
         extra -= more;
         let task = Task {
@@ -87,6 +88,15 @@ fn collide_pairs<E: Executor>(
     }
     crew.run(Stage::Narrowphase, &mut tasks, |task| task.run(&look, &mut Room::default()));
     tasks.iter().map(|task| task.result).collect()
+}
+
+/// How many contacts come before a pair. Few of many: looked for from the front.
+fn count_before(rows: &[ContactRow], pair: &Pair) -> usize {
+    let mut end = COLLIDE_PAIRS;
+    while rows.get(end).is_some_and(|row| row.pair < *pair) {
+        end *= 2;
+    }
+    rows[..end.min(rows.len())].partition_point(|row| row.pair < *pair)
 }
 
 /// What all tasks read.
@@ -270,7 +280,7 @@ impl Task<'_> {
         let same = !row.tag.is_settled()
             && row.tag.child() == manifold.child
             && row.tag.points() == count
-            && row.memory[..count] == features[..count];
+            && row.memory == [features[0], features[1], features[2], features[3], 0];
         if same {
             self.memos[first] = meeting::memo(manifold, &found.meeting.b_in_a, found.exchanged, false);
             self.touches[first] = found.touch(false);

@@ -4,9 +4,14 @@
 //! every contact has as many points as before, the layout of the step before serves again.
 
 use crate::cells::{self, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDERED, Upkeep};
+use crate::executor::{Executor, Stage};
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
-use crate::state::{Cache, Scratch, State};
+use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::state::{Cache, ContactRow, Scratch, State, Touch};
+
+/// Contacts whose links are worth a task.
+const LINK_CONTACTS: usize = 1024;
 
 /// Orders the links and lays them out in seats and lanes. A `scheduler` replaces the cellular ordering for
 /// this step.
@@ -124,14 +129,34 @@ fn lay_out(
 }
 
 /// Writes the links of the step, between active bodies for the layout and between slots for the ordering.
-pub(crate) fn write_links(state: &State<'_>, scratch: &mut Scratch<'_>) {
-    for (i, row) in state.contacts[..state.header[0].contacts as usize].iter().enumerate() {
-        let slots = scratch.touches[i].shapes.map(|shape| state.shapes[shape as usize].body);
-        let active = slots.map(|slot| scratch.active_of[slot as usize]);
-        // Links with more points first: neighbours in a lane should have as many.
-        let kind = 4 - row.tag.points() as u32;
-        let b = if active[1] == IMMOVABLE { IMMOVABLE } else { slots[1] };
-        scratch.links[i] = Link { a: active[0], b: active[1], kind };
-        scratch.slot_links[i] = Link { a: slots[0], b, kind };
+pub(crate) fn write_links<E: Executor>(state: &State<'_>, scratch: &mut Scratch<'_>, crew: &mut Crew<'_, E>) {
+    struct Task<'a> {
+        rows: &'a [ContactRow],
+        touches: &'a [Touch],
+        links: &'a mut [Link],
+        slot_links: &'a mut [Link],
     }
+    let count = state.header[0].contacts as usize;
+    let share = chunk(count, LINK_CONTACTS);
+    let (reaches, active_of) = (&*scratch.reaches, &*scratch.active_of);
+    let from = state.contacts[..count].chunks(share).zip(scratch.touches[..count].chunks(share));
+    let links = scratch.links[..count].chunks_mut(share);
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    for ((rows, touches), (links, slot_links)) in
+        from.zip(links.zip(scratch.slot_links[..count].chunks_mut(share)))
+    {
+        push(&mut tasks, Task { rows, touches, links, slot_links });
+    }
+    crew.run(Stage::Islands, &mut tasks, |task| {
+        let links = task.links.iter_mut().zip(task.slot_links.iter_mut());
+        for ((row, touch), (link, slot_link)) in task.rows.iter().zip(task.touches).zip(links) {
+            let slots = touch.shapes.map(|shape| reaches[shape as usize].body);
+            let active = slots.map(|slot| active_of[slot as usize]);
+            // Links with more points first: neighbours in a lane should have as many.
+            let kind = 4 - row.tag.points() as u32;
+            let b = if active[1] == IMMOVABLE { IMMOVABLE } else { slots[1] };
+            *link = Link { a: active[0], b: active[1], kind };
+            *slot_link = Link { a: slots[0], b, kind };
+        }
+    });
 }
