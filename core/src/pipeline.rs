@@ -31,8 +31,7 @@ use crate::report::StepReport;
 use crate::shape::{
     GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HALF_SPACE, GEOMETRY_HULL, GEOMETRY_MESH, ShapeRow,
 };
-use crate::state::{Active, AssetTables, Cache, Scratch, State};
-use bytemuck::Zeroable;
+use crate::state::{AssetTables, Cache, Scratch, State};
 use layout::Plan;
 use ordering::Links;
 use solver::JointRows;
@@ -74,11 +73,12 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let is_alone = links < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
-    broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    let moved = broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Narrowphase);
-    let change = narrowphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    let looks = (&*assets, settings.dt, moved);
+    let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
-    let links = activate(state, scratch);
+    let links = activate(state, scratch, &mut crew);
     crew.executor.enter(Stage::Ordering);
     let plan = ordering::run(state, (cache, scratch), (&change, links, settings), scheduler);
     crew.executor.enter(Stage::Assembly);
@@ -101,7 +101,6 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     };
     solver::solve(&mut rows, settings, &mut crew);
     crew.executor.enter(Stage::Finish);
-    finish::index_points(&cache.groups[..plan.groups], scratch.link_rows, scratch.row_points);
     let joints = (&plan, links.joints, settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
     finish::run(state, (cache, scratch), (&plan, settings.dt), (&mut crew, &mut counts));
@@ -110,18 +109,18 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
 }
 
 /// Lists the bodies that take part in the solve, and the links between them.
-fn activate(state: &State<'_>, scratch: &mut Scratch<'_>) -> Links {
+fn activate<E: Executor>(state: &State<'_>, scratch: &mut Scratch<'_>, crew: &mut Crew<'_, E>) -> Links {
     let header = &state.header[0];
     let mut count = 0;
     scratch.active_of[..header.bodies.high as usize].fill(IMMOVABLE);
     for slot in pool::iterate(state.body_used, header.bodies.high) {
         if state.bodies[slot as usize].is_dynamic() {
             scratch.active_of[slot as usize] = count as u32;
-            scratch.active[count] = Active { body: slot, ..Active::zeroed() };
+            scratch.active[count].body = slot;
             count += 1;
         }
     }
-    let (contacts, joints) = ordering::write_links(state, scratch);
+    let (contacts, joints) = ordering::write_links(state, scratch, crew);
     Links { bodies: count, contacts, joints }
 }
 

@@ -351,6 +351,20 @@ pub(crate) struct Memo {
     pub tail: [u32; 4],
 }
 
+/// The box of a shape over the way of the step: what may touch.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Reach {
+    /// Least corner, from the middle of the body's sector.
+    pub min: Vec3,
+    /// Slot of the body.
+    pub body: u32,
+    /// Greatest corner.
+    pub max: Vec3,
+    /// 1 when the body is in the trees' sector.
+    pub is_home: u32,
+}
+
 /// What a contact is in this step.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -424,8 +438,7 @@ region! {
         is_moved: u8 = c.shapes as usize,
         /// Pairs found for moved shapes, twice the capacity so that the best can be chosen.
         found: u64 = 2 * c.pairs as usize,
-        /// Boxes of the shapes over the way of the step, from the middle of the body's sector: what may touch.
-        reaches: Aabb = c.shapes as usize,
+        reaches: Reach = c.shapes as usize,
         /// Frames of the shapes in world axes, from their bodies' centers: `[position, 0, rotation]`.
         frames: Words = c.shapes as usize,
         /// The same with the bodies turned as in their stances.

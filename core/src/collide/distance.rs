@@ -12,7 +12,7 @@
 //! Invariants: `|v|` falls from step to step but for a few stalls, so the search ends; ties go to the lowest
 //! index.
 
-use crate::math::{Vec3, length, max};
+use crate::math::{Vec3, length, max, sqrt};
 
 /// Most refinements: bounds the time of hulls of many corners seen edge-on, not the result of usual shapes.
 const ITERATIONS_MAX: usize = 48;
@@ -70,6 +70,11 @@ struct Simplex {
 /// Unit direction and length of a vector of any magnitude; `fallback` and 0 when it has no direction.
 #[inline]
 pub fn unit(v: Vec3, fallback: Vec3) -> (Vec3, f32) {
+    let square = v.dot(v);
+    if square > 1.0e-24 && square < 1.0e24 {
+        let l = sqrt(square);
+        return (v / l, l);
+    }
     // Scaled first: the square of a small length would be a denormal without digits.
     let scale = max(v.x.abs(), max(v.y.abs(), v.z.abs()));
     if scale > 1.0e-30 && scale < 1.0e30 {

@@ -146,6 +146,7 @@ pub(crate) fn fill<E: Executor>(
     let share = chunk(groups.len(), 1);
     let mut links = &mut scratch.link_rows[..plan.rows];
     let mut points = &mut scratch.point_rows[..plan.points];
+    let mut first_points = &mut scratch.row_points[..plan.rows];
     let mut seats = &mut scratch.seats[..plan.seats];
     let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize / LANES];
     let mut joints = JointRows {
@@ -167,6 +168,7 @@ pub(crate) fn fill<E: Executor>(
         let task = Task {
             links: take(&mut links, sum(|g| g.rows)),
             points: take(&mut points, sum(|g| g.points)),
+            first_points: take(&mut first_points, sum(|g| g.rows)),
             seats: take(&mut seats, sum(|g| g.seats)),
             movers: take(&mut movers, movers_count),
             joints: joints.take_all(groups),
@@ -191,6 +193,8 @@ struct Task<'a> {
     groups: &'a mut [Group],
     links: &'a mut [LinkRow],
     points: &'a mut [PointRow],
+    /// First point of each row.
+    first_points: &'a mut [u32],
     seats: &'a mut [Seat],
     movers: &'a mut [MoverRow],
     joints: JointRows<'a>,
@@ -199,6 +203,7 @@ struct Task<'a> {
 impl Task<'_> {
     fn fill(&mut self, scene: &Scene<'_>, lanes: &Lanes<'_>) {
         let (mut links, mut points) = (&mut *self.links, &mut *self.points);
+        let mut firsts = &mut *self.first_points;
         let (mut seats, mut movers) = (&mut *self.seats, &mut *self.movers);
         for group in self.groups.iter_mut() {
             let own_seats = take(&mut seats, group.seats as usize);
@@ -212,9 +217,13 @@ impl Task<'_> {
             let mut own_points = take(&mut points, group.points as usize);
             group.bounces = 0;
             let first = group.first_row as usize;
-            for (i, row) in take(&mut links, group.rows as usize).iter_mut().enumerate() {
+            let rows = take(&mut links, group.rows as usize).iter_mut();
+            let mut next_point = group.first_point;
+            for (i, (row, first_point)) in rows.zip(take(&mut firsts, group.rows as usize)).enumerate() {
                 let lanes = (&lanes.contacts[first + i], &lanes.contact_seats[first + i]);
                 rows::fill(scene, row, lanes, &mut own_points);
+                *first_point = next_point;
+                next_point += row.points;
                 group.bounces |= row.bounces;
             }
         }

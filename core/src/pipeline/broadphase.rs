@@ -16,7 +16,7 @@ use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
 use crate::shape::{BOX_STALE, ShapeRow};
-use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Scratch, State};
+use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Reach, Scratch, State};
 use crate::world::are_joined;
 
 /// Marks a slot without a shape among the marks of moved shapes.
@@ -26,16 +26,17 @@ const UPDATE_SHAPES: usize = 256;
 /// Moved shapes for which a search is worth a task.
 const SEARCH_SHAPES: usize = 64;
 
+/// Brings the pairs up to date. Says how many shapes left their boxes: they are listed in the scratch.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
     (assets, dt): (&AssetTables<'_>, f32),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
-) {
-    update_boxes(state, (assets, dt), scratch, crew);
+) -> usize {
+    update_boxes(state, (assets, dt), (cache.header[0].sector, scratch), crew);
     let (moved, statics_moved) = list_moved(state, scratch);
     if moved == 0 && state.header[0].pairs_stale == 0 {
-        return;
+        return 0;
     }
     if statics_moved {
         state.header[0].static_version += 1;
@@ -44,13 +45,14 @@ pub(crate) fn run<E: Executor>(
     refresh_trees(state, cache, scratch);
     find_pairs(state, cache, scratch, (moved, crew, counts));
     clear_flags(state, &scratch.moved[..moved]);
+    moved
 }
 
 /// Computes the shapes' frames, makes new boxes for shapes that left theirs, and marks those.
 fn update_boxes<E: Executor>(
     state: &mut State<'_>,
     (assets, dt): (&AssetTables<'_>, f32),
-    scratch: &mut Scratch<'_>,
+    (home, scratch): ([i32; 3], &mut Scratch<'_>),
     crew: &mut Crew<'_, E>,
 ) {
     struct Task<'a> {
@@ -59,7 +61,7 @@ fn update_boxes<E: Executor>(
         is_moved: &'a mut [u8],
         frames: &'a mut [Words],
         stances: &'a mut [Words],
-        reaches: &'a mut [Aabb],
+        reaches: &'a mut [Reach],
     }
     let high = state.header[0].shapes.high as usize;
     let share = chunk(high, UPDATE_SHAPES);
@@ -87,36 +89,52 @@ fn update_boxes<E: Executor>(
                     }
                     _ => *frame,
                 };
-                *moved = u8::from(update_box(shape, (body, motion, &pose), (assets, dt), reach) || all);
+                let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
+                let is_home = u32::from(motion.center.sector == home);
+                let (min, max) = (bounds.reach.min, bounds.reach.max);
+                *reach = Reach { min, body: shape.body, max, is_home };
+                *moved = u8::from(update_box(shape, body, &bounds) || all);
             }
         }
     });
 }
 
-/// Makes a new fat box if the shape, whose frame stands at `local` from the body's center, left its own; true when
-/// it did.
-fn update_box(
-    shape: &mut ShapeRow,
+/// Where a shape is in the step.
+struct Bounds {
+    /// Its box over the way of the step.
+    swept: Aabb,
+    /// The same as far as contacts are looked for.
+    reach: Aabb,
+}
+
+/// The bounds of a shape whose frame stands at `local` from the body's center.
+fn reach_of(
+    shape: &ShapeRow,
     (body, motion, local): (&BodyRow, &Motion, &Pose),
     (assets, dt): (&AssetTables<'_>, f32),
-    reach: &mut Aabb,
-) -> bool {
-    let stale = shape.flags & BOX_STALE != 0 || body.has(CHANGED_SECTOR);
+) -> Bounds {
     let is_static = body.kind() == BodyKind::Static;
-    if is_static && !stale {
-        *reach = shape.fat_box;
-        return false;
+    if is_static && !is_stale(shape, body) {
+        return Bounds { swept: shape.fat_box, reach: shape.fat_box };
     }
     let pose = Pose::new(local.position + motion.center.offset, local.rotation);
     let tight = crate::collide::bounds::aabb(&solid(shape, assets), &pose);
     // The box reaches as far as contacts are looked for: over the coming step's path and the speculative distance.
     let path = if is_static { Vec3::ZERO } else { motion.linear * dt };
     let swept = tight.union(&Aabb { min: tight.min + path, max: tight.max + path });
-    *reach = swept.grown(SPECULATIVE_DISTANCE);
-    if !stale && shape.fat_box.contains(reach) {
+    Bounds { swept, reach: swept.grown(SPECULATIVE_DISTANCE) }
+}
+
+fn is_stale(shape: &ShapeRow, body: &BodyRow) -> bool {
+    shape.flags & BOX_STALE != 0 || body.has(CHANGED_SECTOR)
+}
+
+/// Makes a new fat box if the shape left its own; true when it did.
+fn update_box(shape: &mut ShapeRow, body: &BodyRow, bounds: &Bounds) -> bool {
+    if !is_stale(shape, body) && shape.fat_box.contains(&bounds.reach) {
         return false;
     }
-    shape.fat_box = swept.grown(ShapeRow::margin(!is_static));
+    shape.fat_box = bounds.swept.grown(ShapeRow::margin(body.kind() != BodyKind::Static));
     true
 }
 

@@ -11,7 +11,7 @@ use crate::math::{Rotation, Vec3};
 use crate::pipeline::Counts;
 use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
-use crate::pipeline::layout::{Group, Plan};
+use crate::pipeline::layout::Plan;
 use crate::pipeline::mover::{MoverRow, angular_velocity};
 use crate::pipeline::seat::Seat;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
@@ -229,17 +229,6 @@ fn drop_shapes_of_quarantined(state: &mut State<'_>) {
     for slot in 0..state.first_joints.len() as u32 {
         if state.bodies[slot as usize].has(body::QUARANTINED) {
             begin_anew(state, slot);
-        }
-    }
-}
-
-/// Writes the first point of each row, so that contacts find theirs.
-pub(crate) fn index_points(groups: &[Group], links: &[LinkRow], row_points: &mut [u32]) {
-    for group in groups {
-        let mut next = group.first_point;
-        for row in group.first_row as usize..(group.first_row + group.rows) as usize {
-            row_points[row] = next;
-            next += links[row].points;
         }
     }
 }

@@ -202,11 +202,6 @@ pub(crate) struct LaneRotation {
 }
 
 impl LaneRotation {
-    /// No rotation.
-    pub fn identity() -> Self {
-        Self { imaginary: LaneVec::ZERO, real: Lane::splat(1.0) }
-    }
-
     /// The rotation of one lane.
     pub fn get(&self, lane: usize) -> Rotation {
         let v = self.imaginary.get(lane);
@@ -417,7 +412,7 @@ mod tests {
     /// Where a free top is after a time.
     fn top(frame: Rotation, momentum: Vec3, inertia: Vec3, time: f32) -> Rotation {
         let (axes, moments) = split_frame(inertia);
-        let mut before = LaneRotation::identity();
+        let mut before = LaneRotation { imaginary: LaneVec::ZERO, real: Lane::splat(1.0) };
         let mut turn = LaneVec::ZERO;
         let (mut near, mut far) = (Lane::ZERO, Lane::ZERO);
         before.set(3, frame.after(axes));

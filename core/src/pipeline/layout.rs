@@ -102,9 +102,9 @@ pub(crate) const fn links_max(c: &Capacities) -> usize {
 }
 
 /// Most seats of any schedule: each body once in phase 0, two for each link of a later phase, the lanes' own, and
-/// those that fill groups of phase 0.
+/// those that fill groups of phase 0; and one that is written and not used.
 pub(crate) const fn seats_max(c: &Capacities) -> usize {
-    c.bodies as usize + 2 * links_max(c) + 2 * LANES * groups_max(c)
+    c.bodies as usize + 2 * links_max(c) + 2 * LANES * groups_max(c) + 1
 }
 
 /// Most rows of movers: each is of eight seats of phase 0.
@@ -427,17 +427,18 @@ fn fill_up(tables: &mut Tables<'_>, plan: &mut Plan) {
 
 /// The body's seat in this phase, a new one if it has none yet.
 fn take_seat(body: u32, tables: &mut Tables<'_>, plan: &mut Plan, phase_first_seat: u32) -> u32 {
-    let seat = &mut tables.phase_seats[body as usize];
-    // Seats ascend, so a seat from before this phase's first is an earlier phase's.
-    if *seat != OWN && *seat >= phase_first_seat {
-        return *seat;
-    }
-    *seat = plan.seats as u32;
+    let body_index = body as usize;
+    let seat = tables.phase_seats[body_index];
+    // Seats ascend, so a seat from before this phase's first is an earlier phase's. The next seat is written in
+    // any case: half the bodies need one, in no order, and a wrong guess costs more.
+    let is_new = seat == OWN || seat < phase_first_seat;
+    let seat = if is_new { plan.seats as u32 } else { seat };
+    tables.phase_seats[body_index] = seat;
     tables.seat_bodies[plan.seats] = body;
-    tables.seat_sources[plan.seats] = tables.last_seats[body as usize];
-    tables.last_seats[body as usize] = *seat;
-    plan.seats += 1;
-    *seat
+    tables.seat_sources[plan.seats] = tables.last_seats[body_index];
+    tables.last_seats[body_index] = seat;
+    plan.seats += usize::from(is_new);
+    seat
 }
 
 /// Seats the bodies that no link of phase 0 has.

@@ -12,10 +12,10 @@ use crate::body::{BodyRow, Motion, Position};
 use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::lanes::Words;
-use crate::math::{Aabb, Pose, Rotation, Vec3, length};
+use crate::math::{Pose, Rotation, Vec3, length};
 use crate::pipeline::solid;
 use crate::shape::{GEOMETRY_BOX, GEOMETRY_HULL, ShapeRow};
-use crate::state::{AssetTables, ContactRow, Memo};
+use crate::state::{AssetTables, ContactRow, Memo, Pair, Reach};
 use bytemuck::Zeroable;
 
 /// Farthest that a point of a settled contact may have moved since it was found, metres: a quarter of the
@@ -47,23 +47,46 @@ pub(crate) struct Scene<'a> {
     pub bodies: &'a [BodyRow],
     pub motions: &'a [Motion],
     pub frames: &'a [Words],
-    pub reaches: &'a [Aabb],
+    pub reaches: &'a [Reach],
 }
 
 impl Scene<'_> {
     /// True when the boxes of two shapes over the way of the step overlap.
     #[inline]
-    pub fn may_touch(&self, a: u32, b: u32) -> bool {
-        let sector = |slot: u32| self.motions[self.shapes[slot as usize].body as usize].center.sector;
-        let (ra, rb) = (&self.reaches[a as usize], &self.reaches[b as usize]);
-        let (sa, sb) = (sector(a), sector(b));
-        if sa == sb {
-            return ra.overlaps(rb);
+    pub fn may_touch(&self, pair: Pair) -> bool {
+        let (a, b) = (&self.reaches[pair.a as usize], &self.reaches[pair.b as usize]);
+        if a.is_home & b.is_home != 0 {
+            return overlap((a.min, a.max), (b.min, b.max));
         }
-        let middle = |sector| Position { sector, offset: Vec3::ZERO };
-        let shift = middle(sb).minus(middle(sa));
-        ra.overlaps(&Aabb { min: rb.min + shift, max: rb.max + shift })
+        let middle = |reach: &Reach| {
+            let sector = self.motions[reach.body as usize].center.sector;
+            Position { sector, offset: Vec3::ZERO }
+        };
+        let shift = middle(b).minus(middle(a));
+        overlap((a.min, a.max), (b.min + shift, b.max + shift))
     }
+
+    fn motion(&self, shape: u32) -> &Motion {
+        &self.motions[self.reaches[shape as usize].body as usize]
+    }
+
+    /// The shapes of a pair in the order in which they are collided: the richer one first, of equals the lower slot.
+    pub fn in_order(&self, pair: Pair) -> [u32; 2] {
+        let shape = |slot: u32| &self.shapes[slot as usize];
+        if are_in_order(shape(pair.a), shape(pair.b)) { [pair.a, pair.b] } else { [pair.b, pair.a] }
+    }
+}
+
+/// True when a pair is collided in the order of its slots: in the other one it would have to be turned round.
+pub(crate) fn are_in_order(a: &ShapeRow, b: &ShapeRow) -> bool {
+    a.kind >= b.kind
+}
+
+/// True when two boxes share a point. All is compared: which side parts them cannot be foretold, and a wrong guess
+/// costs more than all six.
+#[inline(always)]
+fn overlap((low_a, high_a): (Vec3, Vec3), (low_b, high_b): (Vec3, Vec3)) -> bool {
+    low_a.cmple(high_b).all() & low_b.cmple(high_a).all()
 }
 
 /// The pose of B's frame in A's, both given from the centers of their bodies, B's center at `centers` from A's.
@@ -88,9 +111,8 @@ pub(crate) struct Meeting {
 }
 
 impl Meeting {
-    pub fn new(scene: &Scene<'_>, (a, b): (u32, u32), dt: f32) -> Self {
-        let body = |slot: u32| &scene.motions[scene.shapes[slot as usize].body as usize];
-        let (ma, mb) = (body(a), body(b));
+    pub fn new(scene: &Scene<'_>, [a, b]: [u32; 2], dt: f32) -> Self {
+        let (ma, mb) = (scene.motion(a), scene.motion(b));
         let centers = mb.center.minus(ma.center);
         let (frame_a, frame_b) = (frame_of(scene.frames[a as usize]), frame_of(scene.frames[b as usize]));
         let b_in_a = relative(&frame_a, &frame_b, centers);
@@ -106,7 +128,7 @@ impl Meeting {
 
     /// Points at the poses now. Fast bodies are stopped at the surface, not behind it: look as far as they come.
     pub fn collide(&self, solids: (&Solid<'_>, &Solid<'_>), found: &mut Manifolds) {
-        let pose = Pose::new(self.b_in_a.position, self.b_in_a.rotation.normalized());
+        let pose = Pose::new(self.b_in_a.position, self.b_in_a.rotation.renormalized());
         collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE + self.way, found);
     }
 
@@ -158,7 +180,7 @@ fn radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> Option<Radius> {
     }
 }
 
-/// The memo of a manifold in the frames of A and B by slot; `exchanged` when the order of the solver is the other.
+/// The memo of a manifold in the frames of A and B; `exchanged` when the order of the solver is the other.
 pub(crate) fn memo(manifold: &Manifold, b_in_a: &Pose, exchanged: bool, settled: bool) -> Memo {
     let mut memo = Memo::zeroed();
     let n = manifold.normal;

@@ -18,18 +18,19 @@ use bytemuck::Zeroable;
 /// Pairs that are worth a task.
 const COLLIDE_PAIRS: usize = 64;
 
-/// Finds the contacts of the step. Says which began and ended.
+/// Finds the contacts of the step. Says which began and ended. `moved` shapes are listed in the scratch: new and
+/// changed ones are among them.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt): (&AssetTables<'_>, f32),
+    (assets, dt, moved): (&AssetTables<'_>, f32, usize),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
     let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
     let change = contacts::merge(state, (cache, scratch), &yields, (crew, counts));
-    for shape in &mut state.shapes[..state.header[0].shapes.high as usize] {
-        shape.flags &= !FRESH;
+    for &slot in &scratch.moved[..moved] {
+        state.shapes[slot as usize].flags &= !FRESH;
     }
     change
 }
@@ -69,7 +70,7 @@ fn collide_pairs<E: Executor>(
         let own = &pairs[run * share..pair_count.min((run + 1) * share)];
         // The contacts before the next task's first pair; those without a pair end.
         let next = pairs.get((run + 1) * share);
-        let contacts = next.map_or(rows.len(), |next| rows.partition_point(|row| row.pair < *next));
+        let contacts = next.map_or(rows.len(), |next| count_before(rows, next));
         let more = look.extra_births(own).min(extra);
         extra -= more;
         let task = Task {
@@ -87,6 +88,15 @@ fn collide_pairs<E: Executor>(
     }
     crew.run(Stage::Narrowphase, &mut tasks, |task| task.run(&look, &mut Room::default()));
     tasks.iter().map(|task| task.result).collect()
+}
+
+/// How many contacts come before a pair. Few of many: looked for from the front.
+fn count_before(rows: &[ContactRow], pair: &Pair) -> usize {
+    let mut end = COLLIDE_PAIRS;
+    while rows.get(end).is_some_and(|row| row.pair < *pair) {
+        end *= 2;
+    }
+    rows[..end.min(rows.len())].partition_point(|row| row.pair < *pair)
 }
 
 /// What all tasks read.
@@ -153,15 +163,18 @@ struct Room {
 /// How two shapes stand, and what their contacts have in common.
 struct Found<'a> {
     pair: Pair,
+    /// Slots of A and B: see `Scene::in_order`.
+    slots: [u32; 2],
     shapes: (&'a ShapeRow, &'a ShapeRow),
     meeting: Meeting,
+    /// Whether the solver's A is B.
     exchanged: bool,
 }
 
 impl Found<'_> {
     fn touch(&self, settled: bool) -> Touch {
-        let Found { pair, shapes: (a, b), meeting, exchanged } = self;
-        let shapes = if *exchanged { [pair.b, pair.a] } else { [pair.a, pair.b] };
+        let Found { slots, shapes: (a, b), meeting, exchanged, .. } = self;
+        let shapes = if *exchanged { [slots[1], slots[0]] } else { *slots };
         Touch {
             shapes,
             friction: sqrt(a.friction * b.friction),
@@ -174,12 +187,18 @@ impl Found<'_> {
 
 impl Task<'_> {
     fn run(&mut self, look: &Look<'_>, room: &mut Room) {
-        for &pair in self.pairs {
-            self.end_until(|row| row.pair < pair);
-            if look.scene.may_touch(pair.a, pair.b) {
+        for pairs in self.pairs.chunks(COLLIDE_PAIRS) {
+            // First which boxes overlap, without a branch: half of them do, in no order.
+            let mut near = [0_u8; COLLIDE_PAIRS];
+            let mut count = 0;
+            for (i, &pair) in pairs.iter().enumerate() {
+                near[count] = i as u8;
+                count += usize::from(look.scene.may_touch(pair));
+            }
+            for &i in &near[..count] {
+                let pair = pairs[usize::from(i)];
+                self.end_until(|row| row.pair < pair);
                 self.meet(look, pair, room);
-            } else {
-                self.end_until(|row| row.pair == pair);
             }
         }
         self.end_until(|_| true);
@@ -200,9 +219,10 @@ impl Task<'_> {
 
     /// Brings the contacts of a pair up to date.
     fn meet(&mut self, look: &Look<'_>, pair: Pair, room: &mut Room) {
-        let shapes = (look.shape(pair.a), look.shape(pair.b));
-        let meeting = Meeting::new(&look.scene, (pair.a, pair.b), look.dt);
-        let found = Found { pair, shapes, meeting, exchanged: look.are_exchanged(shapes) };
+        let slots = look.scene.in_order(pair);
+        let shapes = (look.shape(slots[0]), look.shape(slots[1]));
+        let meeting = Meeting::new(&look.scene, slots, look.dt);
+        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(shapes) };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);
@@ -220,18 +240,22 @@ impl Task<'_> {
             }
         }
         let Room { olds, manifolds } = room;
-        self.list_olds(look, (&found, first), olds);
         manifolds.clear();
         let solids = (&solid(shapes.0, look.assets), &solid(shapes.1, look.assets));
         if settles {
             let memory = meeting::pack(&found.meeting.b_in_a);
             let base = meeting::unpack(&memory).unwrap_or(Pose::IDENTITY);
             meeting::collide_at(&base, solids, manifolds);
+            self.list_olds(look, (&found, first), olds);
             for manifold in &*manifolds {
                 self.take_over(&found, (manifold, &base), Some(memory), olds);
             }
         } else {
             found.meeting.collide(solids, manifolds);
+            if self.goes_on(&found, first, manifolds) {
+                return;
+            }
+            self.list_olds(look, (&found, first), olds);
             for manifold in &*manifolds {
                 self.take_over(&found, (manifold, &found.meeting.b_in_a), None, olds);
             }
@@ -242,6 +266,26 @@ impl Task<'_> {
                 self.end(old.place);
             }
         }
+    }
+
+    /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row stays as
+    /// it is, and only where the points are is new.
+    fn goes_on(&mut self, found: &Found<'_>, first: usize, manifolds: &Manifolds) -> bool {
+        let ([row], [manifold]) = (&self.rows[first..self.next], manifolds.as_slice()) else { return false };
+        let mut features = [0; POINTS_MAX];
+        for (feature, point) in features.iter_mut().zip(&manifold.points) {
+            *feature = point.feature;
+        }
+        let count = manifold.points.len();
+        let same = !row.tag.is_settled()
+            && row.tag.child() == manifold.child
+            && row.tag.points() == count
+            && row.memory == [features[0], features[1], features[2], features[3], 0];
+        if same {
+            self.memos[first] = meeting::memo(manifold, &found.meeting.b_in_a, found.exchanged, false);
+            self.touches[first] = found.touch(false);
+        }
+        same
     }
 
     /// Finds the points of a settled contact again. False when they are not those of the contact.

@@ -5,10 +5,15 @@
 
 use crate::cells::{self, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDERED, Upkeep};
 use crate::config::Settings;
+use crate::executor::{Executor, Stage};
 use crate::joint::{BROKEN, JointRow};
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
-use crate::state::{Cache, CacheHeader, Scratch, State};
+use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::state::{Cache, CacheHeader, ContactRow, Scratch, State, Touch};
+
+/// Contacts whose links are worth a task.
+const LINK_CONTACTS: usize = 1024;
 
 /// Orders the links and lays them out in seats and lanes. A `scheduler` replaces the cellular ordering for
 /// this step.
@@ -214,18 +219,50 @@ fn lay_out(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, (links, blocks): (L
 
 /// Writes the links of the step, between active bodies for the layout and between slots for the ordering: contacts,
 /// then joints that hold a dynamic body. Returns the numbers of both.
-pub(crate) fn write_links(state: &State<'_>, scratch: &mut Scratch<'_>) -> (usize, usize) {
-    let contacts = state.header[0].contacts as usize;
-    let active_of = &*scratch.active_of;
-    let ends = |slots: [u32; 2], kind: u32| {
-        let active = slots.map(|slot| active_of[slot as usize]);
-        let b = if active[1] == IMMOVABLE { IMMOVABLE } else { slots[1] };
-        (Link { a: active[0], b: active[1], kind }, Link { a: slots[0], b, kind })
-    };
-    for (i, row) in state.contacts[..contacts].iter().enumerate() {
-        let slots = scratch.touches[i].shapes.map(|shape| state.shapes[shape as usize].body);
-        (scratch.links[i], scratch.slot_links[i]) = ends(slots, layout::contact_kind(row.tag.points()));
+pub(crate) fn write_links<E: Executor>(
+    state: &State<'_>,
+    scratch: &mut Scratch<'_>,
+    crew: &mut Crew<'_, E>,
+) -> (usize, usize) {
+    struct Task<'a> {
+        rows: &'a [ContactRow],
+        touches: &'a [Touch],
+        links: &'a mut [Link],
+        slot_links: &'a mut [Link],
     }
+    let count = state.header[0].contacts as usize;
+    let share = chunk(count, LINK_CONTACTS);
+    let (reaches, active_of) = (&*scratch.reaches, &*scratch.active_of);
+    let from = state.contacts[..count].chunks(share).zip(scratch.touches[..count].chunks(share));
+    let links = scratch.links[..count].chunks_mut(share);
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    for ((rows, touches), (links, slot_links)) in
+        from.zip(links.zip(scratch.slot_links[..count].chunks_mut(share)))
+    {
+        push(&mut tasks, Task { rows, touches, links, slot_links });
+    }
+    crew.run(Stage::Islands, &mut tasks, |task| {
+        let links = task.links.iter_mut().zip(task.slot_links.iter_mut());
+        for ((row, touch), (link, slot_link)) in task.rows.iter().zip(task.touches).zip(links) {
+            let slots = touch.shapes.map(|shape| reaches[shape as usize].body);
+            (*link, *slot_link) = link_of(slots, active_of, layout::contact_kind(row.tag.points()));
+        }
+    });
+    drop(tasks);
+    (count, write_joints(state, scratch, count))
+}
+
+/// A link between active bodies, and between slots. The first end moves.
+#[inline(always)]
+fn link_of(slots: [u32; 2], active_of: &[u32], kind: u32) -> (Link, Link) {
+    let active = slots.map(|slot| active_of[slot as usize]);
+    let b = if active[1] == IMMOVABLE { IMMOVABLE } else { slots[1] };
+    (Link { a: active[0], b: active[1], kind }, Link { a: slots[0], b, kind })
+}
+
+/// Writes the links of joints after the contacts. Returns how many they are.
+fn write_joints(state: &State<'_>, scratch: &mut Scratch<'_>, contacts: usize) -> usize {
+    let active_of = &*scratch.active_of;
     let mut joints = 0;
     for slot in crate::pool::iterate(state.joint_used, state.header[0].joints.high) {
         let joint = &state.joints[slot as usize];
@@ -236,12 +273,11 @@ pub(crate) fn write_links(state: &State<'_>, scratch: &mut Scratch<'_>) -> (usiz
         if !holds || !moves {
             continue;
         }
-        // The first end of a link moves.
         let slots = if active_of[a as usize] == IMMOVABLE { [b, a] } else { [a, b] };
         let i = contacts + joints;
-        (scratch.links[i], scratch.slot_links[i]) = ends(slots, signature.0);
+        (scratch.links[i], scratch.slot_links[i]) = link_of(slots, active_of, signature.0);
         scratch.joint_slots[joints] = slot;
         joints += 1;
     }
-    (contacts, joints)
+    joints
 }

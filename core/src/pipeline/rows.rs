@@ -21,14 +21,14 @@ const SLIDING_MIN: f32 = 1.0e-4;
 /// Slides below a ten-thousandth of the arm change nothing that f32 can show.
 const SLIDE_SHARE: f32 = 1.0e-6;
 
-/// Writes one row and cuts its points off `points`.
+/// Writes one row and cuts its points off `points`. What is read only where something bounces, a surface moves or
+/// there are several points is written only there.
 pub(crate) fn fill(
     scene: &Scene<'_>,
     row: &mut LinkRow,
     (contacts, seats): (&[u32; LANES], &[u32; 2 * LANES]),
     points: &mut &mut [PointRow],
 ) {
-    *row = LinkRow::zeroed();
     row.seats_a.copy_from_slice(&seats[..LANES]);
     row.seats_b.copy_from_slice(&seats[LANES..]);
     let count =
@@ -42,6 +42,8 @@ pub(crate) fn fill(
     row.bounces = u32::from(sides.touch[3].greater(Lane::ZERO).any());
     row.locked = u32::from(sides.are_locked());
     row.surfaces = u32::from(sides.surfaces != 0);
+    row.turns = 0;
+    row.slide = LaneVec::ZERO;
     fill_points(scene, &sides, row, own);
 }
 
@@ -50,7 +52,9 @@ fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mu
     let mut patch = Patch { points: points.len(), ..Patch::zeroed() };
     let mut soft = Lane::ZERO;
     for (i, point) in points.iter_mut().enumerate() {
-        *point = PointRow::zeroed();
+        if link.bounces | link.surfaces != 0 {
+            (point.bounce, point.surface) = (Lane::ZERO, Lane::ZERO);
+        }
         let (arm_a, arm_b) = sides.write_point(&found, point, i);
         patch.places[i] = arm_a;
         patch.sum = patch.sum + arm_a;
@@ -355,6 +359,7 @@ impl Sides {
         let half = Lane::splat(0.5) * (p - q);
         row.friction_mass = inverse(Lane::splat(0.5) * (p + q) + (half * half + r * r).sqrt());
         // One point has no lever, and no twist.
+        row.twist_impulse = Lane::ZERO;
         if patch.points > 1 {
             self.write_twist(found, row, (patch, share));
         }
@@ -409,6 +414,7 @@ impl Sides {
     /// Relative velocity along the normal that gravity and forces give in a substep.
     fn write_push(&self, scene: &Scene<'_>, row: &mut LinkRow) {
         let n = row.normal;
+        row.push = Lane::ZERO;
         for (lane, &contact) in self.contacts.iter().enumerate() {
             if contact != EMPTY {
                 let link = &scene.links[contact as usize];
@@ -426,6 +432,7 @@ impl Sides {
         row: &mut LinkRow,
         (points, patch): (&mut [PointRow], &Patch),
     ) {
+        row.surface = LaneVec::ZERO;
         for (lane, &contact) in self.contacts.iter().enumerate() {
             if self.surfaces >> lane & 1 == 0 {
                 continue;

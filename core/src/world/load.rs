@@ -310,6 +310,7 @@ impl Parts<'_> {
             return true;
         }
         let (a, b) = (self.shapes.get(row.pair.a), self.shapes.get(row.pair.b));
+        let (a, b) = if meeting::are_in_order(&a, &b) { (a, b) } else { (b, a) };
         meeting::settling_radii((&a, &b), assets).is_some()
             && meeting::memo_again(row, (&a, &b), false, assets).is_some()
     }

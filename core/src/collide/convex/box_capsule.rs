@@ -4,10 +4,10 @@
 //! derivative rises, and is a line as long as the same coordinates are outside of the box. Newton's method is
 //! exact on the last of these lines; a bracket keeps it from going round.
 
-use super::round::{self, Segment};
-use crate::collide::Manifold;
+use super::round::{self, ALONG, FACE_COSINE, Over, SLACK, Segment};
 use crate::collide::distance::{Closest, unit};
 use crate::collide::polytope::BoxHull;
+use crate::collide::{Manifold, Plane};
 use crate::math::{Vec3, clamp, length, max, min};
 
 /// Most steps: Newton takes two or three; where a line is short, halving the bracket finds it.
@@ -28,7 +28,38 @@ pub fn collide(half: Vec3, b: &Segment, distance: f32) -> Option<Manifold> {
     if near.distance > reach {
         return None;
     }
-    round::hull_capsule_near(&BoxHull::new(half).hull(), b, &near, distance)
+    if !near.has_normal() {
+        return round::hull_capsule_near(&BoxHull::new(half).hull(), b, &near, distance);
+    }
+    round::touch(
+        b,
+        &near,
+        distance,
+        || along_face(half, b, &near, distance),
+        || along_edge(half, b, &near, distance),
+    )
+}
+
+/// Two contacts when the closest points have a face's normal and the segment lies over that face.
+fn along_face(half: Vec3, b: &Segment, near: &Closest, distance: f32) -> Option<Manifold> {
+    let (n, half) = (near.normal.to_array(), half.to_array());
+    let i = (0..3).find(|&i| n[i].abs() >= FACE_COSINE)?;
+    let (tail, head) = (b.tail.to_array(), b.head.to_array());
+    let mut over = Over::ALL;
+    for j in [(i + 1) % 3, (i + 2) % 3] {
+        let edge = half[j] + SLACK * b.radius;
+        over = over.cut(tail[j] - edge, head[j] - edge)?.cut(-tail[j] - edge, -head[j] - edge)?;
+    }
+    let normal = if n[i] < 0.0 { -Vec3::AXES[i] } else { Vec3::AXES[i] };
+    over.contacts(b, &Plane { normal, offset: half[i] }, distance)
+}
+
+/// Two contacts when the segment lies along an edge that is farthest along the normal.
+fn along_edge(half: Vec3, b: &Segment, near: &Closest, distance: f32) -> Option<Manifold> {
+    // The edges have three directions: seldom is the segment's one of them.
+    let cosine = (1.0 - 2.0 * ALONG) * b.axis.length_squared();
+    let runs_along = b.axis.to_array().iter().any(|x| x * x > cosine);
+    if runs_along { round::along_edge(&BoxHull::new(half).hull(), b, near, distance) } else { None }
 }
 
 /// The point of the box nearest to a point.

@@ -9,24 +9,24 @@
 use crate::collide::clip::{face_loop, single};
 use crate::collide::distance::{Closest, closest, support, unit};
 use crate::collide::polytope::{PARALLEL, closest_on_edges, preferred};
-use crate::collide::{Edge, Hull, Manifold, ManifoldPoint};
+use crate::collide::{Edge, Hull, Manifold, ManifoldPoint, Plane};
 use crate::math::{Pose, Vec3, any_perpendicular, clamp, length, max, min};
 
 /// Segments (and edges) whose squared sine is less touch with two points: 3 degrees.
-const ALONG: f32 = 2.5e-3;
+pub(super) const ALONG: f32 = 2.5e-3;
 /// The sine that belongs to [`ALONG`]: how much an edge may fall over its length and still be level.
 const ALONG_HEIGHT: f32 = 0.05;
 /// An edge this fraction of its length below the top still reaches it.
 const TOP: f32 = 1.0e-3;
 /// Cosine from which a normal counts as a face's: 1.1 degrees.
-const FACE_COSINE: f32 = 0.9998;
+pub(super) const FACE_COSINE: f32 = 0.9998;
 /// Two points nearer than this fraction of the radius are one.
 const ONE_POINT: f32 = 1.0e-2;
 /// Cores nearer than this fraction of the radii have no direction.
 const COINCIDENT: f32 = 1.0e-6;
 /// How far beyond a face's sides a segment may be cut, and how much two points may miss of the depth of the
 /// closest one, as a fraction of the radius.
-const SLACK: f32 = 1.0e-3;
+pub(super) const SLACK: f32 = 1.0e-3;
 /// Margin of a face over an edge for a core inside of a hull, as a fraction of the radius.
 const PREFERENCE: f32 = 1.0e-3;
 
@@ -264,12 +264,23 @@ pub fn hull_capsule_near(hull: &Hull<'_>, b: &Segment, near: &Closest, distance:
     if !near.has_normal() {
         return deep_capsule(hull, b, face_axis(hull, &[b.tail, b.head]), distance);
     }
+    touch(b, near, distance, || along_face(hull, b, near, distance), || along_edge(hull, b, near, distance))
+}
+
+/// The contacts of a capsule whose core is outside, by the closest points and what lies along a face or an edge.
+pub(super) fn touch(
+    b: &Segment,
+    near: &Closest,
+    distance: f32,
+    along_face: impl FnOnce() -> Option<Manifold>,
+    along_edge: impl FnOnce() -> Option<Manifold>,
+) -> Option<Manifold> {
     // Two points where the segment lies along something, unless the closest points lie on something else.
     let enough = near.distance - b.radius + SLACK * b.radius;
     let deep_enough = |m: &Manifold| m.points.iter().any(|p| p.separation <= enough);
-    along_face(hull, b, near, distance)
+    along_face()
         .filter(deep_enough)
-        .or_else(|| along_edge(hull, b, near, distance).filter(deep_enough))
+        .or_else(|| along_edge().filter(deep_enough))
         .or_else(|| core_contact(near.normal, near.on_b, (near.distance, b.radius), distance))
 }
 
@@ -286,40 +297,64 @@ fn along_face(hull: &Hull<'_>, b: &Segment, near: &Closest, distance: f32) -> Op
     if cosine < FACE_COSINE { None } else { face_contacts(hull, b, face, distance) }
 }
 
+/// The part of a segment that lies over a face, by parameters.
+#[derive(Clone, Copy)]
+pub(super) struct Over {
+    low: f32,
+    high: f32,
+}
+
+impl Over {
+    pub const ALL: Self = Self { low: 0.0, high: 1.0 };
+
+    /// Cuts off what is beyond a side of the face, beyond which the segment's ends are by `p` and `q`; `None` when
+    /// that is all.
+    pub fn cut(self, p: f32, q: f32) -> Option<Self> {
+        let Self { low, high } = self;
+        if p > 0.0 && q > 0.0 {
+            return None;
+        }
+        if p > 0.0 {
+            Some(Self { low: max(p / (p - q), low), high })
+        } else if q > 0.0 {
+            Some(Self { low, high: min(p / (p - q), high) })
+        } else {
+            Some(self)
+        }
+    }
+
+    /// The contacts of its ends with the face.
+    pub fn contacts(self, b: &Segment, plane: &Plane, distance: f32) -> Option<Manifold> {
+        if self.low > self.high {
+            return None;
+        }
+        let end = |s: f32, feature| {
+            let x = b.at(s);
+            core_point(plane.normal, x, (plane.distance(x), b.radius), feature)
+        };
+        let ends = [end(self.low, END_FEATURES[0]), end(self.high, END_FEATURES[1])];
+        pair(plane.normal, ends, (b.radius, distance))
+    }
+}
+
 /// The ends of the part of a segment that lies over a face.
 fn face_contacts(hull: &Hull<'_>, b: &Segment, face: usize, distance: f32) -> Option<Manifold> {
     let plane = hull.planes[face];
     let sides = face_loop(hull, face);
-    let (mut low, mut high) = (0.0, 1.0);
+    let mut over = Over::ALL;
     let mut tail = hull.vertices[usize::from(sides[sides.len() - 1])];
     for &vertex in sides {
         let head = hull.vertices[usize::from(vertex)];
         let outward = (head - tail).cross(plane.normal);
         let offset = outward.dot(tail) + length(outward) * SLACK * b.radius;
-        let (p, q) = (outward.dot(b.tail) - offset, outward.dot(b.head) - offset);
-        if p > 0.0 && q > 0.0 {
-            return None;
-        }
-        if p > 0.0 {
-            low = max(p / (p - q), low);
-        } else if q > 0.0 {
-            high = min(p / (p - q), high);
-        }
+        over = over.cut(outward.dot(b.tail) - offset, outward.dot(b.head) - offset)?;
         tail = head;
     }
-    if low > high {
-        return None;
-    }
-    let end = |s: f32, feature| {
-        let x = b.at(s);
-        core_point(plane.normal, x, (plane.distance(x), b.radius), feature)
-    };
-    let ends = [end(low, END_FEATURES[0]), end(high, END_FEATURES[1])];
-    pair(plane.normal, ends, (b.radius, distance))
+    over.contacts(b, &plane, distance)
 }
 
 /// Two contacts when the segment lies along an edge that is farthest along the normal.
-fn along_edge(hull: &Hull<'_>, b: &Segment, near: &Closest, distance: f32) -> Option<Manifold> {
+pub(super) fn along_edge(hull: &Hull<'_>, b: &Segment, near: &Closest, distance: f32) -> Option<Manifold> {
     let n = near.normal;
     let (tail, head) = top_edge(hull, b, n)?;
     let along = head - tail;
