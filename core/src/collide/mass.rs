@@ -8,6 +8,8 @@
 //! Invariants: a tensor that is diagonal already gives the identity as axes and its moments in their order; the
 //! moments are not negative.
 
+mod rounded;
+
 use super::vector64::{Vector, cross, difference, dot, to_f64, to_vec3};
 use super::{Hull, Solid};
 use crate::math::{Pose, Rotation, Vec3};
@@ -69,8 +71,19 @@ struct Part {
 impl MassAccumulator {
     /// Adds a solid of uniform `density` (kg/m3) that stands at `pose` in the body's frame.
     ///
-    /// Half-spaces, meshes and densities that are not positive add nothing.
+    /// Half-spaces, meshes, height fields and densities that are not positive add nothing. Of a compound every child
+    /// counts in full, also where it overlaps others.
     pub fn add(&mut self, solid: &Solid<'_>, pose: &Pose, density: f32) {
+        if let Solid::Compound(compound) = solid
+            && density > 0.0
+        {
+            for index in 0..compound.len() as u32 {
+                let (child, own) = compound.child(index);
+                if let Some(volume) = volume_of(&child) {
+                    self.sum = self.sum.joined(&volume.scaled(f64::from(density)).moved(&own).moved(pose));
+                }
+            }
+        }
         if let Some(volume) = volume_of(solid)
             && density > 0.0
         {
@@ -146,7 +159,12 @@ fn volume_of(solid: &Solid<'_>) -> Option<Part> {
         Solid::Capsule { half_height, radius } => Some(capsule(f64::from(*half_height), f64::from(*radius))),
         Solid::Box { half_extents } => Some(cuboid(to_f64(*half_extents))),
         Solid::Hull(hull) => Some(polytope(hull)),
-        Solid::HalfSpace | Solid::Mesh(_) => None,
+        Solid::Cylinder { half_height, radius } => {
+            Some(cylinder(f64::from(*half_height), f64::from(*radius)))
+        }
+        Solid::Cone { half_height, radius } => Some(cone(f64::from(*half_height), f64::from(*radius))),
+        Solid::RoundedHull { hull, radius } => Some(rounded::hull(hull, f64::from(*radius))),
+        Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_) | Solid::Compound(_) => None,
     }
 }
 
@@ -164,6 +182,22 @@ fn capsule(half_height: f64, radius: f64) -> Part {
     // A half ball has its center 3/8 r from its base: integral of (h + z)^2 over both is m (h^2 + 3/4 h r + r^2/5).
     let along = cylinder * h * h / 3.0 + ball * (h * h + 0.75 * h * radius + r2 / 5.0);
     Part { mass: cylinder + ball, center: [0.0; 3], spread: diagonal([across, across, along]) }
+}
+
+fn cylinder(half_height: f64, radius: f64) -> Part {
+    let (h, r2) = (half_height, radius * radius);
+    let mass = PI * r2 * 2.0 * h;
+    let across = mass * r2 / 4.0;
+    Part { mass, center: [0.0; 3], spread: diagonal([across, across, mass * h * h / 3.0]) }
+}
+
+/// A cone of height H = 2 h has its center H / 4 above its base; about it the integral of z^2 is 3/80 m H^2, that of
+/// x^2 is 3/20 m r^2.
+fn cone(half_height: f64, radius: f64) -> Part {
+    let (h, r2) = (half_height, radius * radius);
+    let mass = PI * r2 * 2.0 * h / 3.0;
+    let across = 0.15 * mass * r2;
+    Part { mass, center: [0.0, 0.0, -0.5 * h], spread: diagonal([across, across, 0.15 * mass * h * h]) }
 }
 
 fn cuboid(half: Vector) -> Part {

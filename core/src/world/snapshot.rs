@@ -156,9 +156,11 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let c = &self.capacities;
         let counts =
             [c.bodies, c.shapes, c.pairs, c.contacts, c.hulls, c.meshes, c.mesh_vertices, c.mesh_triangles];
-        self.sections().iter().fold(hash(bytemuck::bytes_of(&counts), 0), |sum, section| {
-            hash(&(section.size as u64).to_le_bytes(), sum)
-        })
+        let more = [c.height_fields, c.height_samples, c.compounds, c.compound_children, c.surfaces];
+        let first = hash(bytemuck::bytes_of(&counts), 0);
+        // Worlds without these assets read the snapshots of before there were any.
+        let first = if more == [0; 5] { first } else { hash(bytemuck::bytes_of(&more), first) };
+        self.sections().iter().fold(first, |sum, section| hash(&(section.size as u64).to_le_bytes(), sum))
     }
 
     /// Checks a snapshot's header and length, and gives the state header in it.
