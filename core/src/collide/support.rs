@@ -32,7 +32,7 @@ const LEVEL: f64 = 0.05;
 const LEVEL_COSINE: f64 = 0.998_75;
 /// How much the points of the common part may miss of the depth of the closest points, as a fraction of the lesser
 /// size; a part that misses more is not where the shapes touch.
-const SLACK: f64 = 1.0e-3;
+const SLACK: f64 = 2.0e-4;
 /// A direction counts as along an axis when the part across it is a smaller fraction.
 const ON_AXIS: f64 = 1.0e-12;
 /// Feature of the one closest point.

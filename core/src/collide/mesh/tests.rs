@@ -50,9 +50,9 @@ impl Owned {
 
     fn collide(&self, b: &Solid<'_>, pose: &Pose, distance: f32) -> Manifolds {
         let tree = Tree { nodes: &self.nodes, order: &self.order };
-        let mesh = Mesh { vertices: &self.vertices, triangles: &self.triangles, tree };
+        let mesh = Mesh { vertices: &self.vertices, triangles: &self.triangles, tree, surfaces: &[] };
         let mut out = Manifolds::new();
-        super::collide(&mesh, b, pose, distance, &mut out);
+        super::collide(&Surface::Mesh(&mesh), b, pose, distance, &mut out);
         check(&out, distance);
         out
     }

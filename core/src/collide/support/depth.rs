@@ -23,34 +23,50 @@ const BETTER: f64 = 1.0e-7;
 /// Factors by which cores are made smaller.
 const SCALES: [f64; 3] = [0.9, 0.5, 0.1];
 
-/// The best direction so far.
-struct Search<'a, 'b> {
-    pair: &'b Pair<'a>,
+/// Depths up to this fraction of the lesser size have the best direction tried as their start; deeper ones have
+/// several ways out, and the best of every group of directions is refined.
+const SHALLOW: f64 = 0.05;
+/// Groups of directions.
+const GROUPS: usize = 4;
+
+/// A direction and how far the cores are apart along it.
+#[derive(Clone, Copy, Debug)]
+struct Try {
     normal: DVec3,
     apart: f64,
+}
+
+/// The best direction of a group so far.
+struct Search<'a, 'b> {
+    pair: &'b Pair<'a>,
+    best: Try,
     better: f64,
 }
 
-/// The least depth of two overlapping cores.
+/// The least depth of two overlapping cores. `is_apart` stays false.
 pub(super) fn least(pair: &Pair<'_>) -> Near {
     let better = BETTER * pair.lesser_size();
-    let mut search = Search { pair, normal: DVec3::Z, apart: pair.apart_along(DVec3::Z), better };
-    search.try_shape(pair.a, pair.b, 1.0);
-    search.try_shape(pair.b, pair.a, -1.0);
-    search.try_direction(pair.b.center() - pair.a.center());
-    if let (Some(a), Some(b)) = (axis_of(pair.a), axis_of(pair.b)) {
-        search.try_both(a.cross(b));
-    }
-    for scale in SCALES {
-        let smaller = Pair { scale, ..*pair };
-        if let Some(near) = smaller.closest(f64::INFINITY)
-            && near.is_apart
-        {
-            search.try_direction(near.normal);
-            break;
+    let mut groups: heapless::Vec<Try, GROUPS> = heapless::Vec::new();
+    for group in 0..GROUPS {
+        let none = Try { normal: DVec3::Z, apart: f64::NEG_INFINITY };
+        let mut search = Search { pair, best: none, better };
+        search.try_group(group);
+        if search.best.apart > none.apart {
+            let _ = groups.push(search.best);
         }
     }
-    search.refined()
+    let mut first = Try { normal: DVec3::Z, apart: pair.apart_along(DVec3::Z) };
+    for group in &groups {
+        first = if group.apart > first.apart + better { *group } else { first };
+    }
+    let mut found = Search { pair, best: first, better }.refined();
+    if found.apart < -SHALLOW * pair.lesser_size() {
+        for group in &groups {
+            let other = Search { pair, best: *group, better }.refined();
+            found = if other.apart > found.apart + better { other } else { found };
+        }
+    }
+    found
 }
 
 /// The axis of a shape that has one.
@@ -62,6 +78,28 @@ fn axis_of(shape: &SupportShape<'_>) -> Option<DVec3> {
 }
 
 impl Search<'_, '_> {
+    fn try_group(&mut self, group: usize) {
+        let pair = self.pair;
+        match group {
+            0 => self.try_shape(pair.a, pair.b, 1.0),
+            1 => self.try_shape(pair.b, pair.a, -1.0),
+            2 => {
+                self.try_direction(pair.b.center() - pair.a.center());
+                if let (Some(a), Some(b)) = (axis_of(pair.a), axis_of(pair.b)) {
+                    self.try_both(a.cross(b));
+                }
+            }
+            _ => {
+                let smaller = SCALES.map(|scale| Pair { scale, ..*pair });
+                let apart =
+                    smaller.iter().find_map(|pair| pair.closest(f64::INFINITY).filter(|near| near.is_apart));
+                if let Some(near) = apart {
+                    self.try_direction(near.normal);
+                }
+            }
+        }
+    }
+
     /// Tries a direction of any length.
     fn try_direction(&mut self, direction: DVec3) -> bool {
         let size = length(direction);
@@ -74,9 +112,9 @@ impl Search<'_, '_> {
 
     fn try_unit(&mut self, n: DVec3) -> bool {
         let apart = self.pair.apart_along(n);
-        let is_better = apart > self.apart + self.better;
+        let is_better = apart > self.best.apart + self.better;
         if is_better {
-            (self.normal, self.apart) = (n, apart);
+            self.best = Try { normal: n, apart };
         }
         is_better
     }
@@ -118,7 +156,7 @@ impl Search<'_, '_> {
         let mut witness = None;
         let margin = MARGIN * self.pair.lesser_size();
         for _ in 0..REFINEMENTS {
-            let shift = self.normal * (margin - self.apart);
+            let shift = self.best.normal * (margin - self.best.apart);
             let pushed = Pair { shift, ..*self.pair };
             let Some(near) = pushed.closest(f64::INFINITY).filter(|near| near.is_apart) else { break };
             witness = Some((near.on_a, near.on_b - shift));
@@ -126,8 +164,8 @@ impl Search<'_, '_> {
                 break;
             }
         }
-        let n = self.normal;
+        let n = self.best.normal;
         let (on_a, on_b) = witness.unwrap_or_else(|| (self.pair.a.support(n), self.pair.b.support(-n)));
-        Near { on_a, on_b, normal: n, apart: self.apart, is_apart: false }
+        Near { on_a, on_b, normal: n, apart: self.best.apart, is_apart: false }
     }
 }
