@@ -22,7 +22,7 @@ pub(crate) mod vector64;
 
 use crate::math::{Pose, Vec3};
 use bytemuck::{Pod, Zeroable};
-use mesh::Surface;
+use mesh::Triangles;
 
 /// Most points of a manifold.
 pub const POINTS_MAX: usize = 4;
@@ -232,9 +232,9 @@ pub fn collide(a: &Solid<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32, out: 
             }
         }
         (Solid::HalfSpace, _) => half_space::collide(b, b_in_a, distance, out),
-        (Solid::Mesh(mesh), _) => mesh::collide(&Surface::Mesh(mesh), b, b_in_a, distance, out),
+        (Solid::Mesh(mesh), _) => mesh::collide(&Triangles::Mesh(mesh), b, b_in_a, distance, out),
         (Solid::HeightField(field), _) => {
-            mesh::collide(&Surface::HeightField(field), b, b_in_a, distance, out);
+            mesh::collide(&Triangles::HeightField(field), b, b_in_a, distance, out);
         }
         (_, Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_)) => {
             collide(b, a, &b_in_a.inverse(), distance, out);

@@ -58,7 +58,7 @@ fn full() -> Scene {
     };
     let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let obj = MeshDoc::Obj { path: "a/b.obj".to_string(), scale: 0.01, rotation: turn };
-    let inline = MeshDoc::Inline { vertices: points.clone(), triangles: vec![[0, 1, 2], [0, 2, 3]] };
+    let inline = MeshDoc::inline(points.clone(), vec![[0, 1, 2], [0, 2, 3]]);
     Scene {
         version: 1,
         description: "all\nof it".to_string(),

@@ -38,6 +38,7 @@ pub const CAPACITIES: Capacities = Capacities {
     meshes: 1,
     mesh_vertices: 25,
     mesh_triangles: 32,
+    ..Capacities::for_bodies(0)
 };
 
 /// An empty simulated world of some room: the assets are registered, and there is the ground.

@@ -36,14 +36,14 @@ pub fn triangle_box(vertices: &[Vec3], triangle: &Triangle) -> Aabb {
 
 /// A surface of triangles.
 #[derive(Clone, Copy, Debug)]
-pub enum Surface<'a> {
+pub enum Triangles<'a> {
     /// Triangles in a tree.
     Mesh(&'a Mesh<'a>),
     /// Triangles over a grid.
     HeightField(&'a HeightField<'a>),
 }
 
-impl Surface<'_> {
+impl Triangles<'_> {
     /// Visits the triangles near a region: their index, and they themselves with the origin at `origin`, turned to
     /// `center` from there.
     #[inline]
@@ -74,7 +74,7 @@ impl Surface<'_> {
 ///
 /// Pushes at most [`super::MANIFOLDS_MAX`] manifolds to `out`, the deepest when there are more, in ascending order
 /// of `child`, the least triangle of the manifold. Half-spaces and concave shapes have no contacts here.
-pub fn collide(surface: &Surface<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32, out: &mut Manifolds) {
+pub fn collide(surface: &Triangles<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32, out: &mut Manifolds) {
     let region = aabb(b, b_in_a).grown(distance);
     let search = Search { surface, region, origin: b_in_a.position, distance };
     // The shape stays in its origin; the mesh comes to it.
@@ -101,7 +101,7 @@ pub fn collide(surface: &Surface<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f3
 
 /// Where on the surface contacts are searched.
 struct Search<'a> {
-    surface: &'a Surface<'a>,
+    surface: &'a Triangles<'a>,
     region: Aabb,
     /// Origin of the shape's frame in the surface's.
     origin: Vec3,

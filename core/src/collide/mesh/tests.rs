@@ -52,7 +52,7 @@ impl Owned {
         let tree = Tree { nodes: &self.nodes, order: &self.order };
         let mesh = Mesh { vertices: &self.vertices, triangles: &self.triangles, tree, surfaces: &[] };
         let mut out = Manifolds::new();
-        super::collide(&Surface::Mesh(&mesh), b, pose, distance, &mut out);
+        super::collide(&Triangles::Mesh(&mesh), b, pose, distance, &mut out);
         check(&out, distance);
         out
     }
