@@ -121,8 +121,8 @@ impl Floor {
             }
             Floor::Compound => {
                 let tile = |i: u32| CompoundChild {
-                    geometry: Geometry::Box { half_extents: Vec3::new(2.5, 10.0, 0.5) },
-                    pose: Pose::new(Vec3::new(5.0 * i as f32 - 17.5, 0.0, 0.0), Rotation::IDENTITY),
+                    geometry: Geometry::Box { half_extents: Vec3::new(20.0, 1.25, 0.5) },
+                    pose: Pose::new(Vec3::new(0.0, 2.5 * i as f32 - 8.75, 0.0), Rotation::IDENTITY),
                 };
                 let tiles: Vec<CompoundChild> = (0..8).map(tile).collect();
                 (below(0.5), Geometry::Compound(world.add_compound(&tiles).expect("tiles")))

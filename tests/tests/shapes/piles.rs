@@ -150,7 +150,7 @@ fn snapshots_with_shapes_that_do_not_exist_are_refused() {
             world.step(&mut Serial);
         }
     }
-    assert!(world.contains(bodies[0]));
+    assert!(world.contains_body(bodies[0]));
 }
 
 #[test]
