@@ -3,7 +3,9 @@
 mod assets;
 mod bodies;
 mod checksum;
+mod compounds;
 mod contacts;
+mod height_fields;
 mod load;
 mod shapes;
 mod snapshot;
@@ -21,8 +23,9 @@ use crate::state::{
 };
 use bytemuck::Zeroable;
 
-pub use assets::{CompoundChild, HeightFieldDef};
+pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
+pub use height_fields::HeightFieldDef;
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

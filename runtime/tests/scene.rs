@@ -24,9 +24,8 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// A document with every field set to something other than its default.
-fn full() -> Scene {
-    let turn = RotationDoc::AxisAngle { axis: [0.0, 1.0, 0.5], degrees: -33.3 };
+/// A body with every field set.
+fn full_body(turn: RotationDoc) -> BodyDoc {
     let shape = |geometry| ShapeDoc {
         geometry,
         material: Some("wood".to_string()),
@@ -35,7 +34,7 @@ fn full() -> Scene {
         filter: FilterDoc { category: 2, mask: 3, group: -4 },
         user: u64::MAX,
     };
-    let body = BodyDoc {
+    BodyDoc {
         kind: KindDoc::Kinematic,
         position: [1.0e7 + 0.1, -2.0f64.powi(-1074), 0.1 + 0.2],
         rotation: turn,
@@ -60,11 +59,13 @@ fn full() -> Scene {
             shape(GeometryDoc::HeightField("plate".to_string())),
             shape(GeometryDoc::Compound("plate".to_string())),
         ],
-    };
-    let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let obj = MeshDoc::Obj { path: "a/b.obj".to_string(), scale: 0.01, rotation: turn };
+    }
+}
+
+/// A mesh, a height field and a child of a compound with every field set.
+fn full_assets(points: &[[f32; 3]], turn: RotationDoc) -> (MeshDoc, HeightFieldDoc, ChildDoc) {
     let inline = MeshDoc::Inline {
-        vertices: points.clone(),
+        vertices: points.to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         surfaces: vec!["wood".to_string()],
         triangle_surfaces: vec![0, 0],
@@ -83,6 +84,16 @@ fn full() -> Scene {
         position: [0.1, -0.0, 0.3],
         rotation: turn,
     };
+    (inline, field, child)
+}
+
+/// A document with every field set to something other than its default.
+fn full() -> Scene {
+    let turn = RotationDoc::AxisAngle { axis: [0.0, 1.0, 0.5], degrees: -33.3 };
+    let body = full_body(turn);
+    let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let obj = MeshDoc::Obj { path: "a/b.obj".to_string(), scale: 0.01, rotation: turn };
+    let (inline, field, child) = full_assets(&points, turn);
     Scene {
         version: 1,
         description: "all\nof it".to_string(),
@@ -221,8 +232,9 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "`materials`, which has none",
     ),
     (
-        "{\"height_fields\": {\"f\": {\"columns\": 2, \"rows\": 2, \"spacing\": [1, 1], \"heights\": [0, 0, 0]}}}",
-        "line 1, column 81",
+        "{\"height_fields\": {\"f\": {\"columns\": 2, \"rows\": 2, \"spacing\": [1, 1],\n\
+         \"heights\": [0, 0, 0]}}}",
+        "line 2, column 12",
         "height_fields.f.heights: found 3 heights",
         "4, columns times rows",
     ),
@@ -234,15 +246,17 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "a row below 1",
     ),
     (
-        "{\"materials\": {\"a\": {}}, \"height_fields\": {\"f\": {\"columns\": 2, \"rows\": 2, \"spacing\": [1, 1],\n\
+        "{\"materials\": {\"a\": {}},\n\
+         \"height_fields\": {\"f\": {\"columns\": 2, \"rows\": 2, \"spacing\": [1, 1],\n\
          \"heights\": [0, 0, 0, 0], \"surfaces\": [\"a\"], \"cell_surfaces\": [1]}}}",
-        "line 2, column 63",
+        "line 3, column 63",
         "height_fields.f.cell_surfaces[0]: found 1",
         "below 1, the number of surfaces",
     ),
     (
-        "{\"compounds\": {\"c\": {\"children\": [{\"geometry\": {\"cone\": {\"half_height\": 0, \"radius\": 1}}}]}}}",
-        "line 1, column 73",
+        "{\"compounds\": {\"c\": {\"children\": [\n\
+         {\"geometry\": {\"cone\": {\"half_height\": 0, \"radius\": 1}}}]}}}",
+        "line 2, column 39",
         "compounds.c.children[0].geometry.cone.half_height: found 0",
         "expected a number in",
     ),

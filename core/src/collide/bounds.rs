@@ -1,8 +1,8 @@
 //! Axis-aligned boxes around shapes.
 //!
 //! Tight for every bounded shape (to rounding; callers grow boxes by a margin anyway). A mesh or height field is
-//! bounded by its own box, so its box is tight only when it is not turned; a compound of many children by some boxes
-//! of its tree.
+//! bounded by its own box, so its box is tight only when it is not turned; a compound of many children by some
+//! boxes of its tree.
 
 use super::Solid;
 use crate::math::{Aabb, Pose, Vec3, max_each, min_each, sqrt};

@@ -3,8 +3,10 @@
 //! ```text
 //! tree -> children near the other shape -> contacts of each -> clusters of one normal (mesh/cluster.rs)
 //! ```
-//! Children may overlap. Of the points that share a normal those farthest out remain, so a table stands on its four
-//! legs by four points, whatever else touches. A child is named by its index; see [`collide`].
+//! Children are convex shapes of their own: where two of them meet there is a seam, which what rolls over it can
+//! feel, as between two shapes of one body. Children may overlap. Of the points that share a normal those farthest
+//! out remain, so a table stands on its four legs by four points, whatever else touches. A child is named by its
+//! index; see [`collide`].
 
 use super::bounds::aabb;
 use super::hull::HullRow;
@@ -139,10 +141,10 @@ impl<'a> Compound<'a> {
 
 /// Finds the contacts of a compound (A) with any shape `b` at `b_in_a`, within `distance` metres.
 ///
-/// At most [`super::MANIFOLDS_MAX`] manifolds are pushed to `out`, the deepest when there are more, in ascending order
-/// of `child`: the index of A's child in the upper 12 bits; in the lower 12 the index of B's child when that is a
-/// compound, the low bits of the triangle when it is a mesh or height field, else 0. Where two manifolds would have
-/// the same, the next number is taken.
+/// At most [`super::MANIFOLDS_MAX`] manifolds are pushed to `out`, the deepest when there are more, in ascending
+/// order of `child`: the index of A's child in the upper 12 bits; in the lower 12 the index of B's child when that
+/// is a compound, the low bits of the triangle when it is a mesh or height field, else 0. Where two manifolds would
+/// have the same, the next number is taken.
 pub fn collide(a: &Compound<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32, out: &mut Manifolds) {
     let own = a.tree.bounds();
     let other = aabb(b, b_in_a);

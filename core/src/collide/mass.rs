@@ -71,8 +71,8 @@ struct Part {
 impl MassAccumulator {
     /// Adds a solid of uniform `density` (kg/m3) that stands at `pose` in the body's frame.
     ///
-    /// Half-spaces, meshes, height fields and densities that are not positive add nothing. Of a compound every child
-    /// counts in full, also where it overlaps others.
+    /// Half-spaces, meshes, height fields and densities that are not positive add nothing. Of a compound every
+    /// child counts in full, also where it overlaps others.
     pub fn add(&mut self, solid: &Solid<'_>, pose: &Pose, density: f32) {
         if let Solid::Compound(compound) = solid
             && density > 0.0
@@ -191,8 +191,8 @@ fn cylinder(half_height: f64, radius: f64) -> Part {
     Part { mass, center: [0.0; 3], spread: diagonal([across, across, mass * h * h / 3.0]) }
 }
 
-/// A cone of height H = 2 h has its center H / 4 above its base; about it the integral of z^2 is 3/80 m H^2, that of
-/// x^2 is 3/20 m r^2.
+/// A cone of height H = 2 h has its center H / 4 above its base; about it the integral of z^2 is 3/80 m H^2, that
+/// of x^2 is 3/20 m r^2.
 fn cone(half_height: f64, radius: f64) -> Part {
     let (h, r2) = (half_height, radius * radius);
     let mass = PI * r2 * 2.0 * h / 3.0;

@@ -77,6 +77,7 @@ struct Spot {
 }
 
 /// What a core has farthest along a direction.
+#[expect(clippy::large_enum_variant, reason = "a local: there is no heap to put it on")]
 #[derive(Clone, Debug)]
 enum Feature {
     Point,
@@ -179,7 +180,8 @@ pub fn contacts_over(
     }
 }
 
-/// Adds the points of `b` that are farthest along `-z`, where a half-space ends, and at most `distance` metres high.
+/// Adds the points of `b` that are farthest along `-z`, where a half-space ends, and at most `distance` metres
+/// high.
 pub fn lowest(b: &SupportShape<'_>, distance: f32, points: &mut Candidates) {
     let mut add = |at: DVec3, feature: u32| {
         let height = (at.z - b.radius) as f32;
@@ -231,7 +233,7 @@ impl<'a> SupportShape<'a> {
         Self { core: Core::Hull(hull), radius: 0.0, axes, position: DVec3::ZERO }
     }
 
-    fn to_local(&self, v: DVec3) -> DVec3 {
+    fn local(&self, v: DVec3) -> DVec3 {
         DVec3::new(self.axes[0].dot(v), self.axes[1].dot(v), self.axes[2].dot(v))
     }
 
@@ -269,7 +271,7 @@ impl<'a> SupportShape<'a> {
 
     /// The core's point farthest along a direction of any length.
     pub fn support(&self, direction: DVec3) -> DVec3 {
-        self.placed(self.support_local(self.to_local(direction)))
+        self.placed(self.support_local(self.local(direction)))
     }
 
     fn support_local(&self, d: DVec3) -> DVec3 {
@@ -293,7 +295,7 @@ impl<'a> SupportShape<'a> {
 
     /// What the core has farthest along the unit vector `n`.
     fn feature(&self, n: DVec3) -> Feature {
-        let d = self.to_local(n);
+        let d = self.local(n);
         let spot = |at: DVec3, name: u32| Spot { at: self.placed(at), name };
         let disc = |z: f64, up: f64, radius: f64| Feature::Disc {
             center: self.placed(DVec3::Z * z),

@@ -1,7 +1,4 @@
-//! Registering hulls, meshes, height fields and compounds.
-
-mod compounds;
-mod height_fields;
+//! Registering hulls and meshes.
 
 use super::World;
 use super::checksum::hash;
@@ -14,8 +11,6 @@ use crate::math::Vec3;
 use crate::shape::check_material;
 use crate::state::{Assets, HullRow, MeshRow, Scratch, Surface, SurfaceRun};
 use bytemuck::{Pod, Zeroable};
-pub use compounds::CompoundChild;
-pub use height_fields::HeightFieldDef;
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Registers the convex hull of some points, metres. Points inside, on faces or twice are welcome; coplanar
@@ -47,8 +42,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     }
 
     /// Registers a triangle mesh whose triangles have materials of their own, in the place of the shape's: for each
-    /// triangle an index into a table of at most 256 surfaces. A contact takes the material of the triangle that has
-    /// its deepest point.
+    /// triangle an index into a table of at most 256 surfaces. A contact takes the material of the triangle that
+    /// has its deepest point.
     ///
     /// # Errors
     /// As [`World::add_mesh`], and [`Error::Surface`].
@@ -136,7 +131,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         self.layout.assets.header.of(self.bytes())[0].hash
     }
 
-    fn check_unsealed(&self) -> Result<(), Error> {
+    pub(super) fn check_unsealed(&self) -> Result<(), Error> {
         if self.steps() == 0 { Ok(()) } else { Err(Error::AssetsSealed) }
     }
 }
@@ -200,7 +195,7 @@ fn clear_mesh(assets: &mut Assets<'_>, row: &MeshRow) {
 }
 
 /// Puts a table of surfaces behind those of before; writes nothing when it is refused.
-fn append_surfaces(assets: &mut Assets<'_>, surfaces: &[Surface]) -> Result<SurfaceRun, Error> {
+pub(super) fn append_surfaces(assets: &mut Assets<'_>, surfaces: &[Surface]) -> Result<SurfaceRun, Error> {
     if surfaces.is_empty() {
         return Ok(SurfaceRun::zeroed());
     }
@@ -218,11 +213,11 @@ fn append_surfaces(assets: &mut Assets<'_>, surfaces: &[Surface]) -> Result<Surf
     Ok(run)
 }
 
-fn run_mut<T>(table: &mut [T], first: u32, count: u32) -> &mut [T] {
+pub(super) fn run_mut<T>(table: &mut [T], first: u32, count: u32) -> &mut [T] {
     &mut table[first as usize..(first + count) as usize]
 }
 
-fn bytes<T: Pod>(rows: &[T]) -> &[u8] {
+pub(super) fn bytes<T: Pod>(rows: &[T]) -> &[u8] {
     bytemuck::cast_slice(rows)
 }
 

@@ -265,8 +265,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Changes how the body moves. A body that becomes static loses its velocities.
     ///
     /// # Errors
-    /// [`Error::Stale`], or [`Error::WrongKind`] when a body with a half-space, a mesh or a height field shall become
-    /// dynamic.
+    /// [`Error::Stale`], or [`Error::WrongKind`] when a body with a half-space, a mesh or a height field shall
+    /// become dynamic.
     pub fn set_kind(&mut self, body: BodyHandle, kind: BodyKind) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
         if kind == BodyKind::Dynamic && !has_no_surface(&self.state_view(), slot) {

@@ -88,7 +88,7 @@ fn every_shape_rests_on_every_floor() {
             world.manifolds(under, shape, |manifold| {
                 for point in &manifold.points {
                     points += u32::from(point.separation < 1.0e-3);
-                    deepest = deepest.min(point.separation);
+                    deepest = cellstep::math::min(deepest, point.separation);
                 }
             });
             assert!(deepest > -5.0e-3, "{name}: sunk by {deepest}");

@@ -89,7 +89,8 @@ fn add_edge(sum: &mut Part, hull: &Hull<'_>, edge: &Edge, radius: f64) {
         return;
     }
     // Axes of the sector: along its middle, and across it. Half angle a:
-    // area a r^2, center 2/3 r sin a / a, integrals of the squares r^4/4 (a + sin a cos a) and r^4/4 (a - sin a cos a).
+    // area a r^2, center 2/3 r sin a / a, integrals of the squares r^4/4 (a + sin a cos a) and r^4/4 (a - sin a cos
+    // a).
     let middle = outward.map(|x| x / size);
     let across = difference(left, right);
     let across = across.map(|x| x / length(across));

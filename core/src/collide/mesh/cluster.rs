@@ -146,8 +146,8 @@ impl Clusters {
             index += 1;
             kept[index - 1]
         });
-        // A triangle is in one cluster at most, so that children are distinct; two triangles that have one name in a
-        // compound's contacts differ in normal. So both orders are total.
+        // A triangle is in one cluster at most, so that children are distinct; two triangles that have one name in
+        // a compound's contacts differ in normal. So both orders are total.
         self.clusters.sort_unstable_by(|a, b| {
             a.deepest.separation.total_cmp(&b.deepest.separation).then_with(|| a.by_child(b))
         });

@@ -103,11 +103,7 @@ impl Search<'_, '_> {
     /// Tries a direction of any length.
     fn try_direction(&mut self, direction: DVec3) -> bool {
         let size = length(direction);
-        // Written so that a direction that is not a number is left out.
-        if !(size > 1.0e-30) {
-            return false;
-        }
-        self.try_unit(direction / size)
+        size > 1.0e-30 && self.try_unit(direction / size)
     }
 
     fn try_unit(&mut self, n: DVec3) -> bool {

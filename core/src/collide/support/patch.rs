@@ -57,6 +57,7 @@ struct Seen {
 }
 
 /// A feature as it is seen.
+#[expect(clippy::large_enum_variant, reason = "a local: there is no heap to put it on")]
 enum Outline {
     Point,
     Line([Seen; 2]),

@@ -106,7 +106,7 @@ fn oracle(a: &Solid<'_>, b: &Solid<'_>, pose: &Pose) -> (f64, DVec3) {
                 [u, here.1.cross(u)]
             };
             let tries = (0..8).map(|k| {
-                let turn = f64::from(k) * 0.785_398_163_397_448_3 + step * 1.0e3;
+                let turn = f64::from(k) * core::f64::consts::FRAC_PI_4 + step * 1.0e3;
                 let n = unit(here.1 + u * (step * libm::cos(turn)) + v * (step * libm::sin(turn)));
                 (apart(n), n)
             });

@@ -1,6 +1,8 @@
 //! Registering compounds.
 
-use super::{World, bytes, run_mut};
+use super::World;
+use super::assets::{bytes, run_mut};
+use super::checksum::hash;
 use crate::arena::Line;
 use crate::collide::bounds::aabb;
 use crate::collide::compound::{CHILDREN_MAX, Child, Compound, CompoundError, convex_solid};
@@ -11,7 +13,6 @@ use crate::math::Pose;
 use crate::shape::Geometry;
 use crate::state::CompoundRow;
 use crate::validate;
-use crate::world::checksum::hash;
 
 /// A convex part of a compound.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +24,8 @@ pub struct CompoundChild {
 }
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
-    /// Registers a compound of at most 4096 convex children; they may overlap. The mass of a body with it is that of
-    /// all children: where they overlap it counts twice.
+    /// Registers a compound of at most 4096 convex children; they may overlap. The mass of a body with it is that
+    /// of all children: where they overlap it counts twice.
     ///
     /// # Errors
     /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], or [`Error::Compound`] naming the child.

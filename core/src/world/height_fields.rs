@@ -1,17 +1,18 @@
 //! Registering height fields.
 
-use super::{World, append_surfaces, bytes, run_mut};
+use super::World;
+use super::assets::{append_surfaces, bytes, run_mut};
+use super::checksum::hash;
 use crate::arena::Line;
 use crate::collide::height_field::{self, HeightField};
 use crate::error::Error;
 use crate::handle::HeightFieldHandle;
 use crate::state::{HeightFieldRow, Surface};
-use crate::world::checksum::hash;
 
 /// What a new height field is like.
 ///
-/// The sample of column `c` and row `r` stands at `(c spacing[0], r spacing[1], heights[r columns + c])`; the surface
-/// between four samples is two triangles, parted by the diagonal from the least column and row. Two-sided.
+/// The sample of column `c` and row `r` stands at `(c spacing[0], r spacing[1], heights[r columns + c])`; the
+/// surface between four samples is two triangles, parted by the diagonal from the least column and row. Two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightFieldDef<'a> {
     /// Samples along x, at least 2.
@@ -33,8 +34,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Registers a height field.
     ///
     /// # Errors
-    /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], [`Error::HeightField`] naming what is wrong, or
-    /// [`Error::Surface`].
+    /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], [`Error::HeightField`] naming what is wrong,
+    /// or [`Error::Surface`].
     pub fn add_height_field(&mut self, def: &HeightFieldDef<'_>) -> Result<HeightFieldHandle, Error> {
         self.check_unsealed()?;
         let field = HeightField {
