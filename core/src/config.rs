@@ -6,7 +6,7 @@ use crate::validate;
 use bytemuck::{Pod, Zeroable};
 
 /// Version of the bits: changes whenever the same snapshot and commands would give other states.
-pub const BEHAVIOUR_VERSION: u32 = 2;
+pub const BEHAVIOUR_VERSION: u32 = 3;
 
 /// Edge of a sector, metres. A power of two, so that moving by whole sectors changes no bit; 64 keeps the
 /// offset's last bit at 4 micrometres.

@@ -32,8 +32,11 @@ pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
 pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
 pub use error::{Error, SnapshotError};
 pub use executor::{Executor, Serial, Stage};
-pub use handle::{BodyHandle, HullHandle, JointHandle, MeshHandle, ShapeHandle};
+pub use handle::{
+    BodyHandle, CompoundHandle, HeightFieldHandle, HullHandle, JointHandle, MeshHandle, ShapeHandle,
+};
 pub use joint::{Axis, AxisMotion, Coupling, Drive, JointDef, Spring};
 pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
-pub use world::{Capacities, Contact, ContactPoint, World, WorldManifold};
+pub use state::Surface;
+pub use world::{Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, World, WorldManifold};

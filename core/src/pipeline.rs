@@ -29,7 +29,8 @@ use crate::math::Vec3;
 use crate::pool;
 use crate::report::StepReport;
 use crate::shape::{
-    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HALF_SPACE, GEOMETRY_HULL, GEOMETRY_MESH, ShapeRow,
+    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER, GEOMETRY_HALF_SPACE,
+    GEOMETRY_HEIGHT_FIELD, GEOMETRY_HULL, GEOMETRY_MESH, GEOMETRY_ROUNDED_HULL, ShapeRow,
 };
 use crate::state::{AssetTables, Cache, Scratch, State};
 use layout::Plan;
@@ -157,6 +158,13 @@ pub(crate) fn solid<'a>(shape: &ShapeRow, assets: &AssetTables<'a>) -> Solid<'a>
         GEOMETRY_HULL => Solid::Hull(assets.hulls[shape.asset() as usize].view()),
         GEOMETRY_HALF_SPACE => Solid::HalfSpace,
         GEOMETRY_MESH => Solid::Mesh(assets.mesh(shape.asset())),
+        GEOMETRY_CYLINDER => Solid::Cylinder { radius: size[0], half_height: size[1] },
+        GEOMETRY_CONE => Solid::Cone { radius: size[0], half_height: size[1] },
+        GEOMETRY_ROUNDED_HULL => {
+            Solid::RoundedHull { hull: assets.hulls[shape.asset() as usize].view(), radius: size[1] }
+        }
+        GEOMETRY_HEIGHT_FIELD => Solid::HeightField(assets.height_field(shape.asset())),
+        GEOMETRY_COMPOUND => Solid::Compound(assets.compound(shape.asset())),
         _ => Solid::Sphere { radius: size[0] },
     }
 }

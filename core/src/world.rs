@@ -3,7 +3,9 @@
 mod assets;
 mod bodies;
 mod checksum;
+mod compounds;
 mod contacts;
+mod height_fields;
 mod joints;
 mod load;
 mod shapes;
@@ -22,9 +24,10 @@ use crate::state::{
 };
 use bytemuck::Zeroable;
 
-pub(crate) use joints::are_joined;
-
+pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
+pub use height_fields::HeightFieldDef;
+pub(crate) use joints::are_joined;
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +50,16 @@ pub struct Capacities {
     pub mesh_vertices: u32,
     /// Triangles of all meshes, at most 2^24.
     pub mesh_triangles: u32,
+    /// Height fields among the assets, at most 2^16.
+    pub height_fields: u32,
+    /// Samples of all height fields, at most 2^24.
+    pub height_samples: u32,
+    /// Compounds among the assets, at most 2^16.
+    pub compounds: u32,
+    /// Children of all compounds, at most 2^20.
+    pub compound_children: u32,
+    /// Surfaces of all meshes and height fields, at most 2^20.
+    pub surfaces: u32,
 }
 
 impl Capacities {
@@ -62,6 +75,11 @@ impl Capacities {
             meshes: 0,
             mesh_vertices: 0,
             mesh_triangles: 0,
+            height_fields: 0,
+            height_samples: 0,
+            compounds: 0,
+            compound_children: 0,
+            surfaces: 0,
         }
     }
 
@@ -83,6 +101,11 @@ impl Capacities {
             ("meshes", self.meshes, 1 << 16),
             ("mesh_vertices", self.mesh_vertices, 1 << 24),
             ("mesh_triangles", self.mesh_triangles, 1_u32 << 24),
+            ("height_fields", self.height_fields, 1 << 16),
+            ("height_samples", self.height_samples, 1 << 24),
+            ("compounds", self.compounds, 1 << 16),
+            ("compound_children", self.compound_children, 1 << 20),
+            ("surfaces", self.surfaces, 1 << 20),
         ];
         for (name, value, limit) in limits {
             if value > limit >> shift {

@@ -112,6 +112,13 @@ impl Tree<'_> {
         }
     }
 
+    /// The boxes of the lowest level that has at most `count` of them.
+    pub fn level_within(&self, count: usize) -> &[Aabb] {
+        let (first, counts, top) = levels(self.order.len());
+        let level = (0..=top).find(|&level| counts[level] <= count).unwrap_or(top);
+        &self.nodes[first[level]..first[level] + counts[level]]
+    }
+
     /// Visits the id of every leaf whose box overlaps `region` (faces included), once, in the order of the leaves.
     ///
     /// The walk keeps no stack: the box after a subtree is the next sibling, or that of the nearest ancestor that

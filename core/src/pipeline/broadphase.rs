@@ -238,7 +238,7 @@ fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
     let dynamic = |s: &ShapeRow| state.bodies[s.body as usize].is_dynamic();
     sa.body != sb.body
         && (dynamic(sa) || dynamic(sb))
-        && (sa.is_convex() || sb.is_convex())
+        && !(sa.is_surface() && sb.is_surface())
         && sa.filter.meets(&sb.filter)
         && !are_joined(state, sa.body, sb.body)
 }

@@ -11,7 +11,10 @@ use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid, solver};
-use crate::shape::{FRESH, GEOMETRY_BOX, GEOMETRY_MESH, ShapeRow};
+use crate::shape::{
+    FRESH, GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER,
+    GEOMETRY_HEIGHT_FIELD, GEOMETRY_MESH, ShapeRow,
+};
 use crate::state::{AssetTables, Birth, Cache, ContactRow, Memo, Pair, Scratch, State, Tag, Touch};
 use bytemuck::Zeroable;
 
@@ -114,18 +117,23 @@ impl Look<'_> {
 
     /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.
     fn extra_births(&self, pairs: &[Pair]) -> usize {
-        if self.assets.meshes.is_empty() {
+        if self.assets.meshes.len() + self.assets.height_fields.len() + self.assets.compounds.len() == 0 {
             return 0;
         }
-        let concave = |slot: u32| self.shape(slot).kind == GEOMETRY_MESH;
+        let concave = |slot: u32| {
+            matches!(self.shape(slot).kind, GEOMETRY_MESH | GEOMETRY_HEIGHT_FIELD | GEOMETRY_COMPOUND)
+        };
         pairs.iter().filter(|pair| concave(pair.a) || concave(pair.b)).count() * (MANIFOLDS_MAX - 1)
     }
 
     /// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one.
     fn are_exchanged(&self, (a, b): (&ShapeRow, &ShapeRow)) -> bool {
         let dynamic = |shape: &ShapeRow| self.scene.bodies[shape.body as usize].is_dynamic();
-        // Spheres come before capsules, and those before all others.
-        let edges = |shape: &ShapeRow| shape.kind.min(GEOMETRY_BOX);
+        // Spheres come before capsules, cylinders and cones, and those before all others.
+        let edges = |shape: &ShapeRow| match shape.kind {
+            GEOMETRY_CYLINDER | GEOMETRY_CONE => GEOMETRY_CAPSULE,
+            kind => kind.min(GEOMETRY_BOX),
+        };
         !dynamic(a) || (dynamic(b) && edges(b) < edges(a))
     }
 }
@@ -181,6 +189,16 @@ impl Found<'_> {
             restitution: max(a.restitution, b.restitution),
             centers: if *exchanged { -meeting.centers } else { meeting.centers },
             settled: if settled { 1.0 } else { 0.0 },
+        }
+    }
+
+    /// Replaces the material of the mesh or height field by that of one of its surfaces.
+    fn take_surface(&self, name: u32, assets: &AssetTables<'_>, touch: &mut Touch) {
+        let (a, b) = self.shapes;
+        let (concave, other) = if a.is_surface() { (a, b) } else { (b, a) };
+        if let Some(surface) = assets.surface(concave, name) {
+            touch.friction = sqrt(surface.friction * other.friction);
+            touch.restitution = max(surface.restitution, other.restitution);
         }
     }
 }
@@ -248,7 +266,7 @@ impl Task<'_> {
             meeting::collide_at(&base, solids, manifolds);
             self.list_olds(look, (&found, first), olds);
             for manifold in &*manifolds {
-                self.take_over(&found, (manifold, &base), Some(memory), olds);
+                self.take_over(look, &found, (manifold, &base, Some(memory)), olds);
             }
         } else {
             found.meeting.collide(solids, manifolds);
@@ -257,7 +275,7 @@ impl Task<'_> {
             }
             self.list_olds(look, (&found, first), olds);
             for manifold in &*manifolds {
-                self.take_over(&found, (manifold, &found.meeting.b_in_a), None, olds);
+                self.take_over(look, &found, (manifold, &found.meeting.b_in_a, None), olds);
             }
         }
         // What was not taken over has ended.
@@ -316,9 +334,9 @@ impl Task<'_> {
     /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact keeps.
     fn take_over(
         &mut self,
+        look: &Look<'_>,
         found: &Found<'_>,
-        (manifold, b_in_a): (&Manifold, &Pose),
-        base: Option<[u32; 5]>,
+        (manifold, b_in_a, base): (&Manifold, &Pose, Option<[u32; 5]>),
         olds: &Olds,
     ) {
         let mut features = [0; POINTS_MAX];
@@ -335,7 +353,10 @@ impl Task<'_> {
         let old = olds.iter().find(|old| old.row.tag.child() == manifold.child);
         carry_over(&mut row, &features, old, olds);
         let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
-        let touch = found.touch(base.is_some());
+        let mut touch = found.touch(base.is_some());
+        if manifold.surface != 0 {
+            found.take_surface(manifold.surface, look.assets, &mut touch);
+        }
         if let Some(old) = old {
             self.rows[old.place] = row;
             self.memos[old.place] = memo;

@@ -267,12 +267,13 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Changes how the body moves. A body that becomes static loses its velocities.
     ///
     /// # Errors
-    /// [`Error::Stale`], or [`Error::WrongKind`] when a body with a half-space or a mesh shall become dynamic.
+    /// [`Error::Stale`], or [`Error::WrongKind`] when a body with a half-space, a mesh or a height field shall
+    /// become dynamic.
     pub fn set_kind(&mut self, body: BodyHandle, kind: BodyKind) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
-        if kind == BodyKind::Dynamic && !only_convex(&self.state_view(), slot) {
+        if kind == BodyKind::Dynamic && !has_no_surface(&self.state_view(), slot) {
             return Err(Error::WrongKind {
-                needs: "half-spaces and meshes are for static and kinematic bodies",
+                needs: "half-spaces, meshes and height fields are for static and kinematic bodies",
             });
         }
         self.touch_trees();
@@ -555,12 +556,12 @@ pub(super) fn mark_shapes(state: &mut State<'_>, slot: usize, flags: u32) {
     }
 }
 
-/// True when the body has neither a half-space nor a mesh.
-fn only_convex(state: &State<'_>, slot: usize) -> bool {
+/// True when the body has neither a half-space nor a mesh nor a height field.
+fn has_no_surface(state: &State<'_>, slot: usize) -> bool {
     let mut next = state.bodies[slot].first_shape;
     while next != u32::MAX {
         let shape = &state.shapes[next as usize];
-        if !shape.is_convex() {
+        if shape.is_surface() {
             return false;
         }
         next = shape.next;

@@ -72,6 +72,8 @@ struct Limits<'a> {
     joints: u32,
     hulls: u32,
     meshes: u32,
+    height_fields: u32,
+    compounds: u32,
     /// The assets, by which settled contacts are checked.
     tables: AssetTables<'a>,
 }
@@ -135,6 +137,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             joints: self.capacities.joints,
             hulls: assets.hulls,
             meshes: assets.meshes,
+            height_fields: assets.height_fields,
+            compounds: assets.compounds,
             tables: self.asset_tables(),
         };
         parts.check(&limits)?;
@@ -211,6 +215,9 @@ impl Parts<'_> {
         let known = match geometry {
             Geometry::Hull(hull) => hull.0 < limits.hulls,
             Geometry::Mesh(mesh) => mesh.0 < limits.meshes,
+            Geometry::RoundedHull { hull, .. } => hull.0 < limits.hulls,
+            Geometry::HeightField(field) => field.0 < limits.height_fields,
+            Geometry::Compound(compound) => compound.0 < limits.compounds,
             _ => true,
         };
         let dynamic = self.body_is_used(row.body) && self.bodies.get(row.body).is_dynamic();
@@ -219,7 +226,7 @@ impl Parts<'_> {
             && geometry.check().is_ok()
             && bytemuck::bytes_of(&canonical) == bytemuck::bytes_of(&row)
             && self.body_is_used(row.body)
-            && (row.is_convex() || !dynamic)
+            && !(row.is_surface() && dynamic)
             && validate::vector_within("", row.pose.position, validate::EXTENT_MAX).is_ok()
             && is_rotation(row.pose.rotation)
             && validate::in_range("", row.density, 0.0, 1.0e9).is_ok()
@@ -270,7 +277,7 @@ impl Parts<'_> {
         // Shapes that are looked for again are taken out of the pairs before anything reads them.
         let renewed = (a.flags | b.flags) & BOX_STALE != 0;
         let dynamic = |s: &ShapeRow| self.bodies.get(s.body).is_dynamic();
-        renewed || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && (a.is_convex() || b.is_convex()))
+        renewed || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && !(a.is_surface() && b.is_surface()))
     }
 
     fn check_contacts(&self, assets: &AssetTables<'_>) -> Checked {

@@ -17,8 +17,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space or a mesh on a
-    /// dynamic body, or a number of the definition is refused; see [`ShapeDef`].
+    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space, a mesh or a
+    /// height field on a dynamic body, or a number of the definition is refused; see [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;
@@ -174,12 +174,20 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         match geometry {
             Geometry::Hull(hull) if hull.0 >= assets.hulls => return Err(Error::Stale { what: "hull" }),
             Geometry::Mesh(mesh) if mesh.0 >= assets.meshes => return Err(Error::Stale { what: "mesh" }),
+            Geometry::RoundedHull { hull, .. } if hull.0 >= assets.hulls => {
+                return Err(Error::Stale { what: "hull" });
+            }
+            Geometry::HeightField(field) if field.0 >= assets.height_fields => {
+                return Err(Error::Stale { what: "height field" });
+            }
+            Geometry::Compound(compound) if compound.0 >= assets.compounds => {
+                return Err(Error::Stale { what: "compound" });
+            }
             _ => {}
         }
-        let concave = matches!(geometry, Geometry::HalfSpace | Geometry::Mesh(_));
-        if concave && kind == BodyKind::Dynamic {
+        if geometry.is_surface() && kind == BodyKind::Dynamic {
             return Err(Error::WrongKind {
-                needs: "half-spaces and meshes are for static and kinematic bodies",
+                needs: "half-spaces, meshes and height fields are for static and kinematic bodies",
             });
         }
         Ok(())

@@ -160,11 +160,19 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     fn layout_hash(&self) -> u64 {
         let c = &self.capacities;
         let state = [c.bodies, c.shapes, c.pairs, c.contacts, c.joints];
-        let assets = [c.hulls, c.meshes, c.mesh_vertices, c.mesh_triangles];
-        let counts = (bytemuck::bytes_of(&state), bytemuck::bytes_of(&assets));
-        self.sections().iter().fold(hash(counts.1, hash(counts.0, 0)), |sum, section| {
-            hash(&(section.size as u64).to_le_bytes(), sum)
-        })
+        let assets = [
+            c.hulls,
+            c.meshes,
+            c.mesh_vertices,
+            c.mesh_triangles,
+            c.height_fields,
+            c.height_samples,
+            c.compounds,
+            c.compound_children,
+            c.surfaces,
+        ];
+        let counts = hash(bytemuck::bytes_of(&assets), hash(bytemuck::bytes_of(&state), 0));
+        self.sections().iter().fold(counts, |sum, section| hash(&(section.size as u64).to_le_bytes(), sum))
     }
 
     /// Checks a snapshot's header and length, and gives the state header in it.

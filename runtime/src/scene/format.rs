@@ -8,7 +8,10 @@
 //! lose the line of a mistake; assets are named once and referred to by name, so a thousand rocks cost one
 //! hull; unknown fields are refused, so a misspelled field is an error and not a default.
 
+mod assets;
+
 use super::bounded::{bounded, unique};
+pub use assets::{CHILDREN_MAX, ChildDoc, CompoundDoc, HeightFieldDoc, SURFACES_MAX};
 use cellstep_core::config::{ContactModel, Settings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -17,7 +20,7 @@ use std::collections::BTreeMap;
 pub const BODIES_MAX: usize = 1 << 18;
 /// Most shapes of one body.
 pub const SHAPES_PER_BODY_MAX: usize = 1 << 10;
-/// Most entries of each table of named things (materials, hulls, meshes).
+/// Most entries of each table of named things (materials, hulls, meshes, height fields, compounds).
 pub const NAMES_MAX: usize = 1 << 14;
 /// Most points given for one hull.
 pub const HULL_POINTS_MAX: usize = 1 << 12;
@@ -59,6 +62,12 @@ pub struct Scene {
     /// Triangle meshes, by name. They are registered in the order of their names.
     #[serde(default, deserialize_with = "unique", skip_serializing_if = "BTreeMap::is_empty")]
     pub meshes: BTreeMap<String, MeshDoc>,
+    /// Height fields, by name. They are registered in the order of their names.
+    #[serde(default, deserialize_with = "unique", skip_serializing_if = "BTreeMap::is_empty")]
+    pub height_fields: BTreeMap<String, HeightFieldDoc>,
+    /// Compounds, by name. They are registered in the order of their names.
+    #[serde(default, deserialize_with = "unique", skip_serializing_if = "BTreeMap::is_empty")]
+    pub compounds: BTreeMap<String, CompoundDoc>,
     /// Bodies, created in this order.
     #[serde(default, deserialize_with = "bounded::<_, _, BODIES_MAX>")]
     pub bodies: Vec<BodyDoc>,
@@ -197,7 +206,28 @@ pub enum MeshDoc {
         /// Indices of corners, from 0.
         #[serde(deserialize_with = "bounded::<_, _, MESH_PARTS_MAX>")]
         triangles: Vec<[u32; 3]>,
+        /// Names of materials that triangles have in the place of the shape's.
+        #[serde(
+            default,
+            deserialize_with = "bounded::<_, _, SURFACES_MAX>",
+            skip_serializing_if = "Vec::is_empty"
+        )]
+        surfaces: Vec<String>,
+        /// For each triangle an index into `surfaces`; empty when there are none.
+        #[serde(
+            default,
+            deserialize_with = "bounded::<_, _, MESH_PARTS_MAX>",
+            skip_serializing_if = "Vec::is_empty"
+        )]
+        triangle_surfaces: Vec<u8>,
     },
+}
+
+impl MeshDoc {
+    /// Vertices and triangles in the scene itself, all with the material of their shape.
+    pub fn inline(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self::Inline { vertices, triangles, surfaces: Vec::new(), triangle_surfaces: Vec::new() }
+    }
 }
 
 /// How a body moves.
@@ -403,6 +433,31 @@ pub enum GeometryDoc {
     HalfSpace,
     /// A mesh of the scene, by name. Not on dynamic bodies.
     Mesh(String),
+    /// Cylinder around the z axis.
+    Cylinder {
+        /// Half the height, metres, greater than 0.
+        half_height: f32,
+        /// Metres, greater than 0.
+        radius: f32,
+    },
+    /// Cone around the z axis, apex up.
+    Cone {
+        /// Half the height, metres, greater than 0.
+        half_height: f32,
+        /// Of the base, metres, greater than 0.
+        radius: f32,
+    },
+    /// All points within `radius` of a hull.
+    RoundedHull {
+        /// A hull of the scene, by name.
+        hull: String,
+        /// Metres, greater than 0.
+        radius: f32,
+    },
+    /// A height field of the scene, by name. Not on dynamic bodies.
+    HeightField(String),
+    /// A compound of the scene, by name.
+    Compound(String),
 }
 
 /// Which shapes collide: when each one's category is in the other's mask; shapes of one group other than 0
@@ -438,6 +493,8 @@ impl Default for Scene {
             materials: BTreeMap::new(),
             hulls: BTreeMap::new(),
             meshes: BTreeMap::new(),
+            height_fields: BTreeMap::new(),
+            compounds: BTreeMap::new(),
             bodies: Vec::new(),
         }
     }
@@ -447,6 +504,16 @@ impl Scene {
     /// Number of shapes of all bodies.
     pub fn shape_count(&self) -> usize {
         self.bodies.iter().map(|body| body.shapes.len()).sum()
+    }
+
+    /// Number of surfaces of all meshes and height fields.
+    pub fn surface_count(&self) -> usize {
+        let of_mesh = |mesh: &MeshDoc| match mesh {
+            MeshDoc::Inline { surfaces, .. } => surfaces.len(),
+            MeshDoc::Obj { .. } => 0,
+        };
+        let of_meshes: usize = self.meshes.values().map(of_mesh).sum();
+        of_meshes + self.height_fields.values().map(|field| field.surfaces.len()).sum::<usize>()
     }
 }
 
