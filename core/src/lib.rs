@@ -20,6 +20,7 @@ mod handle;
 mod lanes;
 mod pipeline;
 mod pool;
+mod query;
 mod report;
 mod shape;
 mod state;
@@ -32,6 +33,10 @@ pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
 pub use error::{Error, SnapshotError};
 pub use executor::{Executor, Serial, Stage};
 pub use handle::{BodyHandle, HullHandle, MeshHandle, ShapeHandle};
+pub use query::{
+    BodyKinds, ClosestPoint, Found, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region,
+    ShapeCast,
+};
 pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
 pub use world::{Capacities, Contact, ContactPoint, World, WorldManifold};

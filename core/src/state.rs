@@ -237,6 +237,11 @@ impl<'a> AssetTables<'a> {
         }
     }
 
+    /// True when a hull of this index was registered: rows above the last one are zero.
+    pub fn has_hull(&self, index: u32) -> bool {
+        self.hulls.get(index as usize).is_some_and(|row| row.vertex_count > 0)
+    }
+
     pub fn mesh(&self, index: u32) -> Mesh<'a> {
         let row = &self.meshes[index as usize];
         let run = |first: u32, count: u32| first as usize..(first + count) as usize;
@@ -257,7 +262,7 @@ impl<'a> AssetTables<'a> {
 pub(crate) struct CacheHeader {
     /// `static_version + 1` of the state when the static tree was built; 0 when there is none.
     pub static_stamp: u64,
-    /// 1 when the tree of moving shapes fits the boxes in the state.
+    /// 1 when the tree of moving shapes fits the fat boxes in the state.
     pub moving_fits: u32,
     /// 1 when the memos are those of the contacts in the state.
     pub memos_fit: u32,
@@ -273,7 +278,12 @@ pub(crate) struct CacheHeader {
     pub ordering_fits: u32,
     /// Sector in which both trees count their coordinates.
     pub sector: [i32; 3],
-    pub reserved_2: u32,
+    /// 1 when the leaves of the tree of moving shapes are the right ones, whatever their boxes.
+    pub moving_listed: u32,
+    /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
+    pub queried: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 region! {

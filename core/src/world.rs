@@ -5,6 +5,7 @@ mod bodies;
 mod checksum;
 mod contacts;
 mod load;
+mod queries;
 mod shapes;
 mod snapshot;
 

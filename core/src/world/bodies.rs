@@ -459,7 +459,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// The trees no longer fit the shapes.
     pub(super) fn touch_trees(&mut self) {
         self.header_mut().static_version += 1;
-        self.cache_header_mut().moving_fits = 0;
+        let cache = self.cache_header_mut();
+        cache.moving_fits = 0;
+        cache.moving_listed = 0;
+        cache.queried = 0;
     }
 
     pub(super) fn body_slot(&self, body: BodyHandle) -> Result<usize, Error> {
