@@ -39,7 +39,7 @@ fn a_moving_point_meets_what_a_ray_meets() {
         Solid::Capsule { half_height: 0.0, radius: 0.9 },
         Solid::Box { half_extents: Vec3::new(0.9, 0.002, 0.4) },
         Solid::Hull(cube.hull()),
-        Solid::Hull(tables.hull()),
+        Solid::Hull(tables.view()),
     ];
     for solid in &solids {
         let (mut hits, mut misses, mut inside) = (0, 0, 0);
