@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cells;
+pub mod clock;
 pub mod collide;
 pub mod config;
 pub mod executor;
@@ -29,6 +30,7 @@ mod world;
 
 pub use arena::Line;
 pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
+pub use clock::Clock;
 pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
 pub use error::{Error, SnapshotError};
 pub use executor::{Executor, Serial, Stage};
