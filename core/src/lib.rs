@@ -10,6 +10,7 @@ pub mod cells;
 pub mod clock;
 pub mod collide;
 pub mod config;
+pub mod debug;
 pub mod executor;
 pub mod math;
 
@@ -32,6 +33,7 @@ pub use arena::Line;
 pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
 pub use clock::Clock;
 pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
+pub use debug::{DebugDraw, DebugLayers, DebugOptions};
 pub use error::{Error, SnapshotError};
 pub use executor::{Executor, Serial, Stage};
 pub use handle::{BodyHandle, HullHandle, MeshHandle, ShapeHandle};

@@ -4,6 +4,7 @@ mod assets;
 mod bodies;
 mod checksum;
 mod contacts;
+mod debug;
 mod load;
 mod queries;
 mod shapes;

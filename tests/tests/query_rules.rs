@@ -136,7 +136,7 @@ fn what_does_not_fit_is_the_last_and_is_counted() {
     let queries = world.queries();
     let rays = Questions::new(17, 300).rays;
     let all_of = |ray| check_overflow(|buffer: &mut [Hit]| queries.cast_ray_all(ray, &ALL, buffer));
-    assert!(rays.iter().map(all_of).max() > Some(5));
+    assert!(rays.iter().map(all_of).max() > Some(3));
     let wide = QueryShape {
         geometry: Geometry::Sphere { radius: 3.0 },
         position: Position::at(Vec3::new(-14.0, 0.0, 0.0)),
@@ -145,7 +145,7 @@ fn what_does_not_fit_is_the_last_and_is_counted() {
     let cast = ShapeCast { shape: wide, translation: Vec3::new(28.0, 1.0, -1.0) };
     let region = Region::Box { center: Position::ORIGIN, half_extents: Vec3::splat(8.0) };
     let probe = Probe { position: Position::ORIGIN, max_distance: 9.0 };
-    assert!(check_overflow(|buffer: &mut [Hit]| queries.cast_shape_all(&cast, &ALL, buffer)) > 30);
+    assert!(check_overflow(|buffer: &mut [Hit]| queries.cast_shape_all(&cast, &ALL, buffer)) > 15);
     assert!(check_overflow(|buffer: &mut [Overlap]| queries.overlap_all(&region, &ALL, buffer)) > 60);
     assert!(
         check_overflow(|buffer: &mut [ClosestPoint]| queries.closest_point_all(&probe, &ALL, buffer)) > 60
