@@ -1,9 +1,9 @@
 //! From the time that passes to steps, in whole numbers.
 //!
 //! A game gets time in pieces of any length and a world takes steps of one length. The [`Clock`] counts time in
-//! nanoseconds times a rate, so that a 60th of a second is a whole number of units and nothing is ever rounded: after
-//! any number of pieces it has given exactly the steps of their sum. The same pieces give the same steps on every
-//! machine.
+//! nanoseconds times a rate, so that a 60th of a second is a whole number of units and nothing is ever rounded:
+//! after any number of pieces it has given exactly the steps of their sum. The same pieces give the same steps
+//! on every machine.
 
 use crate::body::Position;
 use crate::error::Error;
@@ -38,11 +38,12 @@ pub struct Clock {
 
 impl Clock {
     /// A clock for steps of `numerator / denominator` seconds, such as `(1, 60)`, that never asks for more than
-    /// `steps_max` steps at once: when a step takes longer than it simulates, time is dropped instead of steps piling
-    /// up.
+    /// `steps_max` steps at once: when a step takes longer than it simulates, time is dropped instead of steps
+    /// piling up.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless all three are positive, the numerator at most 10^9 and the step at most a second.
+    /// [`Error::OutOfRange`] unless all three are positive, the numerator at most 10^9 and the step at most a
+    /// second.
     pub fn new((numerator, denominator): (u32, u32), steps_max: u32) -> Result<Self, Error> {
         if numerator == 0 || denominator == 0 || u64::from(numerator) > SECOND || numerator > denominator {
             return Err(Error::OutOfRange { name: "step" });
@@ -77,8 +78,8 @@ impl Clock {
         Due { steps, dropped }
     }
 
-    /// How far the time has come from the last step to the next, 0..1: where to show bodies between the poses of two
-    /// steps, see [`interpolated`].
+    /// How far the time has come from the last step to the next, 0..1: where to show bodies between the poses
+    /// of two steps, see [`interpolated`].
     pub fn fraction(&self) -> f32 {
         let fraction = (self.rest as f64 / self.step() as f64) as f32;
         // Rounding must not reach the step that is not yet due.
@@ -103,8 +104,9 @@ impl Clock {
 
 /// A pose between two: `from` at fraction 0, `to` at 1.
 ///
-/// The place goes straight, across sectors; the turn goes the shorter way, by the normalised sum of the quaternions:
-/// within 0.5 % of an even turn up to 60 degrees between the poses. For looks only; a world never reads it.
+/// The place goes straight, across sectors; the turn goes the shorter way, by the normalised sum of the
+/// quaternions: within 0.5 % of an even turn up to 60 degrees between the poses. For looks only; a world never
+/// reads it.
 pub fn interpolated(
     from: (Position, Rotation),
     to: (Position, Rotation),

@@ -1,8 +1,8 @@
 //! Debug drawing: what a world holds as lines, points and text, for any renderer.
 //!
-//! The world is drawn relative to a place that the caller gives, usually the camera's: near it coordinates are small,
-//! so that f32 shows a millimetre at 10,000 km from the origin. Nothing is allocated, and nothing is changed: a world
-//! that is drawn goes the same way as one that is not.
+//! The world is drawn relative to a place that the caller gives, usually the camera's: near it coordinates are
+//! small, so that f32 shows a millimetre at 10,000 km from the origin. Nothing is allocated, and nothing is
+//! changed: a world that is drawn goes the same way as one that is not.
 //!
 //! `debug/wireframe.rs` has the lines of each geometry, `world/debug.rs` the layers.
 

@@ -6,18 +6,18 @@
 //!   found.rs   the nearest, or all in order as far as the caller's buffer holds
 //!   batch.rs   many queries on an executor
 //! ```
-//! **Order.** What is found is ordered by distance, as it is reported, then by the shape's slot, then by the part of a
-//! concave shape. The order is total, so the shape of a tree, the state of a cache and the executor never reach a
-//! result.
+//! **Order.** What is found is ordered by distance, as it is reported, then by the shape's slot, then by the
+//! part of a concave shape. The order is total, so the shape of a tree, the state of a cache and the executor
+//! never reach a result.
 //!
 //! **Precision.** Poses are taken relative to the query's own position, in double precision: a query far from the
 //! origin, or of something far away, is as exact as a near one, and a shift of everything by whole sectors changes
 //! no bit but the sectors.
 //!
-//! **Conventions.** Shapes are closed sets: who starts in one, or touches it, meets it at distance 0 with the normal
-//! turned against the motion. A half-space is solid below its surface. A mesh has no inside and two sides: the normal
-//! is that of the side from which it is met. A ray in the plane of a triangle passes; one along the face of a convex
-//! shape meets it.
+//! **Conventions.** Shapes are closed sets: who starts in one, or touches it, meets it at distance 0 with the
+//! normal turned against the motion. A half-space is solid below its surface. A mesh has no inside and two
+//! sides: the normal is that of the side from which it is met. A ray in the plane of a triangle passes; one
+//! along the face of a convex shape meets it.
 
 mod batch;
 mod found;
@@ -218,8 +218,8 @@ impl Queries<'_> {
         self.first(ray, filter)
     }
 
-    /// Everything that a ray meets, in order: every convex shape once, where the ray enters it, and every triangle of
-    /// a mesh. What does not fit into `hits` is the farthest, and counted.
+    /// Everything that a ray meets, in order: every convex shape once, where the ray enters it, and every
+    /// triangle of a mesh. What does not fit into `hits` is the farthest, and counted.
     ///
     /// # Errors
     /// As [`Queries::cast_ray`].
@@ -245,13 +245,14 @@ impl Queries<'_> {
     /// The first thing that a moving shape meets.
     ///
     /// # Errors
-    /// A number is refused, see [`ShapeCast`]; [`Error::NotConvex`]; [`Error::Stale`] when the geometry names no asset.
+    /// A number is refused, see [`ShapeCast`]; [`Error::NotConvex`]; [`Error::Stale`] when the geometry names
+    /// no asset.
     pub fn cast_shape(&self, cast: &ShapeCast, filter: &QueryFilter) -> Result<Option<Hit>, Error> {
         self.first(cast, filter)
     }
 
-    /// Everything that a moving shape meets, in order, every shape once: concave ones where they are met first. What
-    /// does not fit into `hits` is the farthest, and counted.
+    /// Everything that a moving shape meets, in order, every shape once: concave ones where they are met first.
+    /// What does not fit into `hits` is the farthest, and counted.
     ///
     /// # Errors
     /// As [`Queries::cast_shape`].
@@ -267,8 +268,8 @@ impl Queries<'_> {
     /// [`Queries::cast_shape`] for many shapes: `hits[i]` becomes what `casts[i]` meets, whatever the executor.
     ///
     /// # Errors
-    /// [`Error::WrongLength`] when there are not as many hits as casts, or as [`Queries::cast_shape`] for any of them.
-    /// Then nothing was written.
+    /// [`Error::WrongLength`] when there are not as many hits as casts, or as [`Queries::cast_shape`] for any
+    /// of them. Then nothing was written.
     pub fn cast_shapes(
         &self,
         casts: &[ShapeCast],
@@ -282,7 +283,8 @@ impl Queries<'_> {
     /// The first shape, by slot, that overlaps a region. Shapes that touch overlap.
     ///
     /// # Errors
-    /// A number is refused, see [`Region`]; [`Error::NotConvex`]; [`Error::Stale`] when the geometry names no asset.
+    /// A number is refused, see [`Region`]; [`Error::NotConvex`]; [`Error::Stale`] when the geometry names no
+    /// asset.
     pub fn overlap(&self, region: &Region, filter: &QueryFilter) -> Result<Option<Overlap>, Error> {
         self.first(region, filter)
     }
@@ -324,8 +326,8 @@ impl Queries<'_> {
         self.first(probe, filter)
     }
 
-    /// The closest point of every shape within the probe's distance, in order. What does not fit into `points` is the
-    /// farthest, and counted.
+    /// The closest point of every shape within the probe's distance, in order. What does not fit into `points`
+    /// is the farthest, and counted.
     ///
     /// # Errors
     /// As [`Queries::closest_point`].
@@ -341,8 +343,8 @@ impl Queries<'_> {
     /// [`Queries::closest_point`] for many probes, whatever the executor.
     ///
     /// # Errors
-    /// [`Error::WrongLength`] when there are not as many points as probes, or as [`Queries::closest_point`] for any of
-    /// them. Then nothing was written.
+    /// [`Error::WrongLength`] when there are not as many points as probes, or as [`Queries::closest_point`] for
+    /// any of them. Then nothing was written.
     pub fn closest_points(
         &self,
         probes: &[Probe],

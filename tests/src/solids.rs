@@ -1,5 +1,5 @@
-//! Shapes of a world in double precision and world coordinates, for proving what queries tell: distances from closed
-//! forms, and by brute force over all faces; nothing of the engine's own collision code.
+//! Shapes of a world in double precision and world coordinates, for proving what queries tell: distances from
+//! closed forms, and by brute force over all faces; nothing of the engine's own collision code.
 
 use crate::oracles::{Wide, cross, dot, minus, norm, plus, turned, wide};
 use crate::worlds::OwnedWorld;
@@ -232,8 +232,8 @@ impl Solid {
         }
     }
 
-    /// Least length of the segment from `a` to `b` to this set along it, by search: the distance of a convex set is a
-    /// convex function.
+    /// Least length of the segment from `a` to `b` to this set along it, by search: the distance of a convex
+    /// set is a convex function.
     pub fn distance_of_segment(&self, a: Wide, b: Wide) -> f64 {
         let at = |t: f64| self.distance(plus(a, minus(b, a), t));
         let (mut low, mut high) = (0.0, 1.0);
@@ -244,8 +244,8 @@ impl Solid {
         at(0.5 * (low + high)).min(at(0.0)).min(at(1.0))
     }
 
-    /// Where a point that moves along the unit vector `d` first comes as near as `gap`, up to `length`; `None` when it
-    /// does not. By steps of the distance, which never pass.
+    /// Where a point that moves along the unit vector `d` first comes as near as `gap`, up to `length`; `None`
+    /// when it does not. By steps of the distance, which never pass.
     pub fn first_within(&self, origin: Wide, d: Wide, (length, gap): (f64, f64)) -> Option<f64> {
         let mut s = 0.0;
         for _ in 0..20_000 {

@@ -136,8 +136,8 @@ fn shape_cast(random: &mut Random) -> ShapeCast {
     ShapeCast { shape, translation: random.vector(25.0) }
 }
 
-/// Proves a hit of a moving solid: at the hit a plane parts the two, and since the motion is against its normal it did
-/// so all the way; and the point of contact belongs to both.
+/// Proves a hit of a moving solid: at the hit a plane parts the two, and since the motion is against its normal
+/// it did so all the way; and the point of contact belongs to both.
 fn prove_hit(part: &Part, (moving, d): (&Solid, Wide), hit: &Hit) {
     let s = f64::from(hit.distance);
     let (normal, point) = (wide(hit.normal), hit.point.to_f64());
@@ -149,7 +149,8 @@ fn prove_hit(part: &Part, (moving, d): (&Solid, Wide), hit: &Hit) {
     assert!(off.iter().all(|off| *off < 1.0e-5), "the point is off by {off:?}: {hit:?} {part:?}");
 }
 
-/// How near a round or pointed solid is to another, for certain not less; for polytopes the greatest gap of any axis.
+/// How near a round or pointed solid is to another, for certain not less; for polytopes the greatest gap of any
+/// axis.
 fn separation(a: &Solid, b: &Solid) -> f64 {
     match (a, b) {
         (Solid::Ball(center, radius), _) => b.distance(*center) - radius,

@@ -1,5 +1,5 @@
-//! What holds for every query: the order and the overflow of what is found, filters, sectors, caches, executors, and
-//! the refusal of bad input.
+//! What holds for every query: the order and the overflow of what is found, filters, sectors, caches,
+//! executors, and the refusal of bad input.
 
 use cellstep::math::{Rotation, Vec3};
 use cellstep::{

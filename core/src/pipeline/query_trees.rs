@@ -1,9 +1,9 @@
 //! The broadphase's trees as queries need them: boxes around the shapes as they are now.
 //!
-//! After a step the bodies have moved on from the boxes of the tree of moving shapes, and calls may have added, moved
-//! or removed shapes since. So before queries the tree of moving shapes gets boxes of their poses: its order serves
-//! as long as its shapes are the same ones, so nothing is sorted. The tree of static shapes is built anew only when
-//! one of them changed. The state is only read; what is written is cache.
+//! After a step the bodies have moved on from the boxes of the tree of moving shapes, and calls may have added,
+//! moved or removed shapes since. So before queries the tree of moving shapes gets boxes of their poses: its
+//! order serves as long as its shapes are the same ones, so nothing is sorted. The tree of static shapes is
+//! built anew only when one of them changed. The state is only read; what is written is cache.
 
 use crate::body::{BodyKind, CHANGED_SECTOR, Position};
 use crate::collide::{bounds, tree};

@@ -28,8 +28,8 @@ pub(super) trait Query: Sync {
     /// Refuses bad numbers.
     fn check(&self, queries: &Queries<'_>) -> Result<(), Error>;
 
-    /// Visits everything that is found, in no order. `visit` returns the distance up to which more is wanted, metres,
-    /// infinity for all.
+    /// Visits everything that is found, in no order. `visit` returns the distance up to which more is wanted,
+    /// metres, infinity for all.
     fn walk(&self, queries: &Queries<'_>, filter: &QueryFilter, visit: impl FnMut(Self::Found) -> f64);
 
     /// What the order is by: distance, slot, part.
@@ -76,8 +76,8 @@ impl<'a> Queries<'a> {
         place.minus_wide(Position { sector: self.sector, offset: Vec3::ZERO })
     }
 
-    /// Visits the shapes that something may meet on a way: `visit` takes a slot and the distance that still matters,
-    /// and returns the new one.
+    /// Visits the shapes that something may meet on a way: `visit` takes a slot and the distance that still
+    /// matters, and returns the new one.
     fn along(
         &self,
         (from, direction, length): (Position, DVec3, f64),

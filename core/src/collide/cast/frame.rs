@@ -1,8 +1,8 @@
 //! Where one frame stands in another, in double precision.
 //!
-//! A query looks at small shapes from far away: at 1 km an f32 resolves 0.06 mm, in position and in direction. Double
-//! precision keeps what the state holds, so that queries need no care for distance. Its `+ - * /` and square roots
-//! are as fixed by IEEE 754 as those of f32.
+//! A query looks at small shapes from far away: at 1 km an f32 resolves 0.06 mm, in position and in direction.
+//! Double precision keeps what the state holds, so that queries need no care for distance. Its `+ - * /` and
+//! square roots are as fixed by IEEE 754 as those of f32.
 
 use crate::math::{Rotation, Vec3};
 use glam::DVec3;

@@ -1,5 +1,5 @@
-//! Distance of two convex sets that are given by their support functions (Gilbert, Johnson, Keerthi 1988), in double
-//! precision.
+//! Distance of two convex sets that are given by their support functions (Gilbert, Johnson, Keerthi 1988), in
+//! double precision.
 //!
 //! The method is that of `distance.rs`, which works on corners in f32 for contacts: a simplex of the Minkowski
 //! difference A - B moves towards the origin, and every case is decided by comparing candidates, so that flat

@@ -11,8 +11,8 @@ use crate::collide::tree::search::Near;
 use crate::collide::{Mesh, Solid};
 use glam::DVec3;
 
-/// How near a convex shape at a frame is to a shape, up to `limit` metres; of the parts of a concave one the nearest,
-/// then the one of least index.
+/// How near a convex shape at a frame is to a shape, up to `limit` metres; of the parts of a concave one the
+/// nearest, then the one of least index.
 pub(crate) fn nearest(solid: &Solid<'_>, (core, frame): (&Core<'_>, &Frame), limit: f64) -> Option<Nearness> {
     let found = match *solid {
         Solid::HalfSpace => {

@@ -1,8 +1,9 @@
 //! Where a ray meets a shape: closed forms.
 //!
-//! A shape is a closed set: a ray that starts in it, or on its surface, meets it at distance 0 with the normal turned
-//! against the ray. Otherwise the ray meets it where it enters; the normal is the outward one there. A mesh has no
-//! inside and two sides: the normal is that of the side the ray comes from, and a ray in a triangle's plane passes.
+//! A shape is a closed set: a ray that starts in it, or on its surface, meets it at distance 0 with the normal
+//! turned against the ray. Otherwise the ray meets it where it enters; the normal is the outward one there. A
+//! mesh has no inside and two sides: the normal is that of the side the ray comes from, and a ray in a
+//! triangle's plane passes.
 //!
 //! Half-spaces, and convex shapes without a closed form here, are met by a point that moves ([`sweep`]).
 

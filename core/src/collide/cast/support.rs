@@ -1,8 +1,8 @@
 //! Convex shapes as support functions: how far they reach along a direction.
 //!
-//! Every convex shape is a *core* and a radius around it (a ball is a point, a capsule a segment). What needs no more
-//! of a shape than its core (distance, overlap, shape casts, and rays at shapes without a closed form) works for any
-//! shape that has an arm in [`Core::new`] and in [`Core::support`].
+//! Every convex shape is a *core* and a radius around it (a ball is a point, a capsule a segment). What needs
+//! no more of a shape than its core (distance, overlap, shape casts, and rays at shapes without a closed form)
+//! works for any shape that has an arm in [`Core::new`] and in [`Core::support`].
 
 use super::frame::{Frame, length, widened};
 use crate::collide::Solid;

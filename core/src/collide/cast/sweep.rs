@@ -1,10 +1,11 @@
 //! Where a convex shape that moves along a line meets a shape.
 //!
-//! The distance of two convex sets is a convex function of the way `s`, and its slope is `-n . d`, with `n` the unit
-//! vector from the moving shape to the other and `d` the direction of motion. So Newton's method from the start never
-//! passes the first touch: each step goes to where the plane that separates the shapes now is reached (conservative
-//! advancement; van den Bergen, "Ray Casting against General Convex Objects", 2004, takes the same steps within its
-//! GJK). It ends in a few steps at a plain hit, and halves what is left in a grazing one.
+//! The distance of two convex sets is a convex function of the way `s`, and its slope is `-n . d`, with `n` the
+//! unit vector from the moving shape to the other and `d` the direction of motion. So Newton's method from the
+//! start never passes the first touch: each step goes to where the plane that separates the shapes now is
+//! reached (conservative advancement; van den Bergen, "Ray Casting against General Convex Objects", 2004, takes
+//! the same steps within its GJK). It ends in a few steps at a plain hit, and halves what is left in a grazing
+//! one.
 //!
 //! Shapes that overlap at the start, or touch, meet at distance 0 with the normal against the motion, and the point
 //! of contact is the moving shape's origin.
@@ -146,8 +147,8 @@ fn convex(other: &Core<'_>, moving: &Moving<'_>, (limit, child): (f64, u32)) -> 
     None
 }
 
-/// How far the shapes may move until their separating plane is nearly reached, metres: half a touch is left, so that
-/// rounding makes no overlap of it.
+/// How far the shapes may move until their separating plane is nearly reached, metres: half a touch is left, so
+/// that rounding makes no overlap of it.
 fn advance(found: &Separation, (gap, radius, touch): (f64, f64, f64), closing: f64) -> f64 {
     let proved = found.least - radius - 0.5 * touch;
     // Where rounding leaves no proof the distance itself is right to rounding; half of it is safe.

@@ -24,9 +24,9 @@ struct Waiting {
 impl Tree<'_> {
     /// Visits the leaves that may matter, nearer ones first as far as the tree tells.
     ///
-    /// `bound` gives the least value that anything inside a box can have, infinity when it does not matter at all; it
-    /// must not be greater for a larger box. `visit` takes the id of a leaf and returns the greatest value that
-    /// matters from now on, as `limit` is in the beginning; boxes with a greater bound are left out.
+    /// `bound` gives the least value that anything inside a box can have, infinity when it does not matter at
+    /// all; it must not be greater for a larger box. `visit` takes the id of a leaf and returns the greatest
+    /// value that matters from now on, as `limit` is in the beginning; boxes with a greater bound are left out.
     pub(crate) fn search(&self, limit: f32, bound: impl Fn(&Aabb) -> f32, mut visit: impl FnMut(u32) -> f32) {
         if self.order.is_empty() {
             return;
@@ -75,8 +75,8 @@ pub(crate) struct Way {
 }
 
 impl Way {
-    /// The way of a box that reaches from `low` to `high` about a point that goes from `origin` along the unit vector
-    /// `direction` for `length` metres; `None` when it misses the tree.
+    /// The way of a box that reaches from `low` to `high` about a point that goes from `origin` along the unit
+    /// vector `direction` for `length` metres; `None` when it misses the tree.
     pub fn new(
         tree: &Tree<'_>,
         (origin, direction, length): (DVec3, DVec3, f64),
