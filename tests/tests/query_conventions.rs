@@ -1,11 +1,12 @@
 //! What queries tell in the cases that are a matter of convention: starts inside, back faces, parallel rays,
 //! the ends of a ray; and far from the origin.
 
-use cellstep::math::{Rotation, Vec3};
+use cellstep::math::{Rotation, Vec3, cos, sin};
 use cellstep::{
     BodyDef, BodyKind, Geometry, Hit, HullHandle, MeshHandle, Overlap, Position, Probe, QueryFilter,
     QueryShape, Ray, Region, ShapeCast, ShapeDef,
 };
+use cellstep_tests::oracles::wide;
 use cellstep_tests::simulator;
 use cellstep_tests::worlds::OwnedWorld;
 
@@ -152,7 +153,7 @@ fn small_things_far_away_are_met_exactly() {
     world.create_shape(body, &ShapeDef::new(Geometry::Sphere { radius: 0.01 })).expect("room");
     for i in 0..50 {
         let turn = i as f32;
-        let direction = Vec3::new(turn.cos(), turn.sin(), (3.0 * turn).sin()).normalize();
+        let direction = Vec3::new(cos(turn), sin(turn), sin(3.0 * turn)).normalize();
         // Beside the center by 6 mm: the ray's line is known to 0.1 mm, by the place and direction as they are.
         let aside = direction.any_orthonormal_vector() * 0.006;
         let origin = home.plus(direction * -1000.0 + aside);
@@ -161,23 +162,12 @@ fn small_things_far_away_are_met_exactly() {
         let off = hit.point.minus(home).length() - 0.01;
         assert!(off.abs() < 1.0e-6, "{i}: {off}");
         let exact = {
-            let (o, d) = (origin.minus(home).as_wide(), ray.translation.as_wide());
+            let (o, d) = (wide(origin.minus(home)), wide(ray.translation));
             let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
             let along: f64 = (0..3).map(|k| -o[k] * d[k] / length).sum();
             let beside: f64 = (0..3).map(|k| (o[k] + d[k] / length * along).powi(2)).sum();
             along - (1.0e-4 - beside).sqrt()
         };
         assert!((f64::from(hit.distance) - exact).abs() < 1.0e-4, "{i}: {hit:?} {exact}");
-    }
-}
-
-/// As it is written in double precision.
-trait AsWide {
-    fn as_wide(self) -> [f64; 3];
-}
-
-impl AsWide for Vec3 {
-    fn as_wide(self) -> [f64; 3] {
-        self.to_array().map(f64::from)
     }
 }

@@ -6,6 +6,9 @@ use crate::error::Error;
 use crate::executor::{Executor, Stage};
 use crate::pipeline::tasks::{Tasks, chunk, push};
 
+/// Some queries, and where their results go.
+type Task<'t, Q> = (&'t [Q], &'t mut [Option<<Q as Query>::Found>]);
+
 /// Queries that are worth a task.
 const BATCH_QUERIES: usize = 32;
 
@@ -24,11 +27,11 @@ impl Queries<'_> {
             query.check(self)?;
         }
         let share = chunk(batch.len(), BATCH_QUERIES);
-        let mut tasks: Tasks<(&[Q], &mut [Option<Q::Found>])> = Tasks::new();
+        let mut tasks: Tasks<Task<'_, Q>> = Tasks::new();
         for task in batch.chunks(share).zip(results.chunks_mut(share)) {
             push(&mut tasks, task);
         }
-        let run = |(queries, results): &mut (&[Q], &mut [Option<Q::Found>])| {
+        let run = |(queries, results): &mut Task<'_, Q>| {
             for (query, result) in queries.iter().zip(results.iter_mut()) {
                 *result = self.first_of(query, filter);
             }
