@@ -16,6 +16,9 @@ use crate::shape::{Geometry, ShapeRow};
 use crate::validate;
 use glam::DVec3;
 
+/// Distances up to this factor beyond a limit are looked at.
+const TIES: f64 = 1.0 + 1.0e-6;
+
 fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
@@ -110,7 +113,7 @@ impl<'a> Queries<'a> {
         let (low, high) = core.bounds(frame);
         let place = self.in_trees(from);
         let near = Near::new((place + low, place + high));
-        let mut limit = limit;
+        let (mut limit, most) = (limit, limit);
         for tree in &self.trees {
             tree.search(
                 Near::limit(limit),
@@ -118,7 +121,9 @@ impl<'a> Queries<'a> {
                 |slot| {
                     if let Some(candidate) = self.candidate(slot, filter, from) {
                         let inner = candidate.frame.relative(frame);
-                        if let Some(found) = nearest::nearest(&candidate.solid, (core, &inner), limit) {
+                        // What is told is rounded: ties are found, and decided by their order.
+                        let within = lesser(limit * TIES, most);
+                        if let Some(found) = nearest::nearest(&candidate.solid, (core, &inner), within) {
                             limit = lesser(visit(&candidate, &found), limit);
                         }
                     }

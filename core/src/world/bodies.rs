@@ -296,6 +296,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// [`Error::Stale`], or a number is refused; see [`MassProperties`].
     pub fn set_mass(&mut self, body: BodyHandle, mass: Option<&MassProperties>) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
+        // A far center rounds the pose anew.
+        self.cache_header_mut().queried = 0;
         match mass {
             Some(mass) => {
                 body::check_mass(mass)?;

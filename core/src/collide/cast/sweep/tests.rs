@@ -127,3 +127,60 @@ fn who_touches_and_leaves_is_not_stopped() {
     let deep = at(1.5, DVec3::X).unwrap();
     assert_eq!((deep.distance, deep.normal), (0.0, DVec3::NEG_X));
 }
+
+/// A convex shape of a size, some with thin sides.
+fn shape(kind: usize, size: f32, hull: &hull::HullTables) -> Solid<'_> {
+    match kind {
+        0 => Solid::Sphere { radius: size },
+        1 => Solid::Capsule { half_height: size, radius: 0.2 * size },
+        2 => Solid::Box { half_extents: Vec3::new(1.0, 0.05, 0.6) * size },
+        _ => Solid::Hull(hull.view()),
+    }
+}
+
+#[test]
+fn shapes_of_all_sizes_stop_where_they_touch() {
+    let mut seed = 17;
+    let sizes = [1.0e-3_f32, 1.0, 1.0e3];
+    let hulls = sizes.map(|size| {
+        let points: [Vec3; 20] =
+            core::array::from_fn(|_| super::super::frame::narrowed(vector(&mut seed)) * size);
+        hull::build(&points).unwrap()
+    });
+    let (mut hits, mut worst) = (0, 0.0);
+    for case in 0..6000 {
+        let [i, j] = [case % 3, case / 3 % 3];
+        let (a, b) = (shape(case / 9 % 4, sizes[i], &hulls[i]), shape(case / 36 % 4, sizes[j], &hulls[j]));
+        let (core_a, core_b) = (Core::new(&a).unwrap(), Core::new(&b).unwrap());
+        let reach = core_a.extent() + core_b.extent();
+        let turn = super::super::frame::narrowed(vector(&mut seed) * 3.0);
+        let away = vector(&mut seed);
+        let start = away / length(away) * reach * (1.0 + 20.0 * (random(&mut seed) + 1.0));
+        let target = vector(&mut seed) * 0.6 * core_a.extent();
+        let way = length(target - start);
+        let direction = (target - start) / way;
+        let moving = Moving {
+            core: core_b,
+            frame: Frame::new(start, Rotation::from_rotation_vector(turn)),
+            direction,
+            length: 2.0 * way,
+        };
+        let Some(found) = cast(&a, &moving, moving.length) else { continue };
+        hits += 1;
+        let smaller = if sizes[i] < sizes[j] { sizes[i] } else { sizes[j] };
+        // The plane of the contact parts the shapes there, so it did all the way.
+        let frame = moving.frame.at(start + direction * found.distance);
+        let low =
+            frame.transform(core_b.support(frame.unturn(-found.normal))).dot(found.normal) - core_b.radius;
+        let high = core_a.support(found.normal).dot(found.normal) + core_a.radius;
+        let gap = (low - high).abs() / f64::from(smaller);
+        worst = if gap > worst { gap } else { worst };
+        assert!(found.normal.dot(direction) < 1.0e-9, "{case}: {found:?}");
+        assert!(gap < 1.0e-5, "{case}: {gap} {found:?} {a:?} {b:?}");
+        assert!(
+            (found.point.dot(found.normal) - high).abs() < 1.0e-5 * f64::from(smaller),
+            "{case}: {found:?}"
+        );
+    }
+    assert!(hits > 2000, "{hits} hits, worst gap {worst} of the smaller size");
+}
