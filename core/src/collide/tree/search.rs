@@ -66,13 +66,19 @@ pub(crate) struct Way {
     /// Where the clipped way starts and how long it is, metres.
     start: f64,
     span: f64,
-    /// Along the clipped way: the point at 0, and one over the way, 0 for axes along which it hardly moves.
-    origin: Vec3,
+    /// Which of a box's six numbers (least, then greatest coordinates) are met first, and which last.
+    near: [usize; 3],
+    far: [usize; 3],
+    /// Where the clipped way starts, less what boxes grow by on those sides.
+    before: Vec3,
+    after: Vec3,
+    /// One over the clipped way.
     inverse: Vec3,
-    /// What boxes grow by on their lower and upper sides.
-    low: Vec3,
-    high: Vec3,
 }
+
+/// Stands for one over the way along an axis along which nothing moves: what is ahead is never met, what is around
+/// was always met.
+const AT_REST: f32 = 1.0e30;
 
 impl Way {
     /// The way of a box that reaches from `low` to `high` about a point that goes from `origin` along the unit
@@ -113,30 +119,31 @@ impl Way {
         let reach = max_each(origin.abs(), (origin + way).abs()) + max_each(low.abs(), high.abs());
         let pad = PAD * max(reach.x, max(reach.y, max(reach.z, 1.0e-30)));
         // What moves less than the pad does not move.
-        let invert = |x: f32| if x.abs() > 0.5 * pad { 1.0 / x } else { 0.0 };
+        let invert = |x: f32| if x.abs() > 0.5 * pad { 1.0 / x } else { AT_REST };
         let inverse = Vec3::new(invert(way.x), invert(way.y), invert(way.z));
-        let pad = Vec3::splat(pad);
-        Self { start, span, origin, inverse, low: high + pad, high: pad - low }
+        let (least, greatest) = (origin + high + Vec3::splat(pad), origin + low - Vec3::splat(pad));
+        let mut this =
+            Self { start, span, near: [0, 1, 2], far: [3, 4, 5], before: least, after: greatest, inverse };
+        for axis in 0..3 {
+            if inverse[axis] < 0.0 {
+                (this.near[axis], this.far[axis]) = (axis + 3, axis);
+                (this.before[axis], this.after[axis]) = (greatest[axis], least[axis]);
+            }
+        }
+        this
     }
 
     /// The least distance along the way at which a box can be met, as a fraction of the clipped way; infinity when
     /// it is not met.
     #[inline]
     pub fn bound(&self, bounds: &Aabb) -> f32 {
-        let near = bounds.min - self.low - self.origin;
-        let far = bounds.max + self.high - self.origin;
+        let sides: &[f32; 6] = bytemuck::cast_ref(bounds);
         let (mut enter, mut exit) = (0.0, 1.0);
         for axis in 0..3 {
-            let inverse = self.inverse[axis];
-            if inverse == 0.0 {
-                if near[axis] > 0.0 || far[axis] < 0.0 {
-                    return f32::INFINITY;
-                }
-                continue;
-            }
-            let (a, b) = (near[axis] * inverse, far[axis] * inverse);
-            enter = max(min(a, b), enter);
-            exit = min(max(a, b), exit);
+            let first = (sides[self.near[axis]] - self.before[axis]) * self.inverse[axis];
+            let last = (sides[self.far[axis]] - self.after[axis]) * self.inverse[axis];
+            enter = max(first, enter);
+            exit = min(last, exit);
         }
         if enter <= exit { enter } else { f32::INFINITY }
     }
