@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::math::{Pose, Rotation, Vec3};
 use crate::validate::{self, SPEED_MAX};
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 pub use crate::collide::mass::MassProperties;
 
@@ -61,6 +62,28 @@ impl Position {
     /// This place moved by `v`, metres.
     pub fn plus(self, v: Vec3) -> Self {
         Self { sector: self.sector, offset: self.offset + v }.normalized()
+    }
+
+    /// The vector from `other` to here, metres, to the last bit that the positions hold.
+    pub(crate) fn minus_wide(self, other: Self) -> DVec3 {
+        let axis = |i: usize| {
+            let sectors = f64::from(self.sector[i]) - f64::from(other.sector[i]);
+            sectors * f64::from(SECTOR_SIZE) + (f64::from(self.offset[i]) - f64::from(other.offset[i]))
+        };
+        DVec3::new(axis(0), axis(1), axis(2))
+    }
+
+    /// This place moved by `v`, metres, rounded once.
+    pub(crate) fn plus_wide(self, v: DVec3) -> Self {
+        let mut place = self;
+        for axis in 0..3 {
+            let offset = f64::from(self.offset[axis]) + v[axis];
+            let far = offset.abs() > f64::from(SECTOR_REACH);
+            let sectors = if far { libm::rint(offset / f64::from(SECTOR_SIZE)) } else { 0.0 };
+            place.sector[axis] = place.sector[axis].saturating_add(sectors as i32);
+            place.offset[axis] = (offset - sectors * f64::from(SECTOR_SIZE)) as f32;
+        }
+        place
     }
 
     /// The same place with its offset inside the sector's reach, so that it is written in one way only as long

@@ -4,6 +4,7 @@
 //! the middle between the two surfaces; its separation is negative when they overlap (SEED S3).
 
 pub mod bounds;
+pub(crate) mod cast;
 pub mod clip;
 pub mod compound;
 pub mod convex;

@@ -48,6 +48,15 @@ pub enum Error {
         /// What the call needs, for people.
         needs: &'static str,
     },
+    /// Only convex shapes can be moved or laid over others by a query.
+    NotConvex,
+    /// A slice is not as long as the call needs.
+    WrongLength {
+        /// Elements that are needed.
+        needed: usize,
+        /// Elements that were given.
+        given: usize,
+    },
     /// Assets are registered before the first step only.
     AssetsSealed,
     /// The points have no convex hull that this engine takes.
@@ -119,6 +128,10 @@ impl fmt::Display for Error {
             Error::NotARotation { name } => write!(f, "`{name}` is not a unit quaternion"),
             Error::Stale { what } => write!(f, "the handle names no {what} that exists now"),
             Error::WrongKind { needs } => write!(f, "wrong kind of body: {needs}"),
+            Error::NotConvex => write!(f, "a query takes convex shapes only"),
+            Error::WrongLength { needed, given } => {
+                write!(f, "a slice of {needed} elements was expected, {given} were given")
+            }
             Error::AssetsSealed => write!(f, "assets are registered before the first step"),
             Error::Hull(error) => write!(f, "{error}"),
             Error::Mesh(error) => write!(f, "{error}"),

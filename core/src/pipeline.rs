@@ -16,6 +16,7 @@ pub(crate) mod meeting;
 pub(crate) mod mover;
 pub(crate) mod narrowphase;
 pub(crate) mod ordering;
+pub(crate) mod query_trees;
 pub(crate) mod rows;
 pub(crate) mod seat;
 pub(crate) mod solver;
@@ -69,6 +70,8 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         state.header[0].step += 1;
         return report(state, None, (0, &counts, 0));
     }
+    // Bodies move: the trees' boxes are no longer around the shapes.
+    cache.header[0].queried = 0;
     let header = &state.header[0];
     let links = header.contacts + header.joints.count;
     let is_alone = links < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;

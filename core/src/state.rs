@@ -305,6 +305,11 @@ impl<'a> AssetTables<'a> {
         }
     }
 
+    /// True when a hull of this index was registered: rows above the last one are zero.
+    pub fn has_hull(&self, index: u32) -> bool {
+        self.hulls.get(index as usize).is_some_and(|row| row.vertex_count > 0)
+    }
+
     pub fn mesh(&self, index: u32) -> Mesh<'a> {
         let row = &self.meshes[index as usize];
         let has_surfaces = self.mesh_surfaces.get(index as usize).is_some_and(|run| run.count > 0);
@@ -370,7 +375,7 @@ fn run(first: u32, count: u32) -> core::ops::Range<usize> {
 pub(crate) struct CacheHeader {
     /// `static_version + 1` of the state when the static tree was built; 0 when there is none.
     pub static_stamp: u64,
-    /// 1 when the tree of moving shapes fits the boxes in the state.
+    /// 1 when the tree of moving shapes fits the fat boxes in the state.
     pub moving_fits: u32,
     /// 1 when the memos are those of the contacts in the state.
     pub memos_fit: u32,
@@ -390,7 +395,12 @@ pub(crate) struct CacheHeader {
     pub ordered_contacts: u32,
     /// Number of joints among them.
     pub ordered_joints: u32,
-    pub reserved_2: u32,
+    /// 1 when the leaves of the tree of moving shapes are the right ones, whatever their boxes.
+    pub moving_listed: u32,
+    /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
+    pub queried: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 region! {

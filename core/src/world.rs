@@ -5,9 +5,11 @@ mod bodies;
 mod checksum;
 mod compounds;
 mod contacts;
+mod debug;
 mod height_fields;
 mod joints;
 mod load;
+mod queries;
 mod shapes;
 mod snapshot;
 

@@ -3,8 +3,10 @@
 pub mod commands;
 pub mod executors;
 pub mod fuzzing;
+pub mod mixed;
 pub mod oracles;
 pub mod reference;
 pub mod schedules;
 pub mod simulator;
+pub mod solids;
 pub mod worlds;

@@ -17,6 +17,8 @@
 //! Invariants: a search visits exactly the leaves whose own box overlaps the region. How good the tree is changes
 //! the time and the order of the visits, never the set.
 
+pub(crate) mod search;
+
 use crate::math::{Aabb, Vec3, max, max_each, min_each};
 
 /// Children of a box.

@@ -196,18 +196,19 @@ pub(crate) fn refresh_trees(state: &State<'_>, cache: &mut Cache<'_>, scratch: &
         } else {
             cache.header[0].moving_leaves = leaves;
             cache.header[0].moving_fits = 1;
+            cache.header[0].moving_listed = 1;
         }
     }
 }
 
-fn first_sector(state: &State<'_>) -> [i32; 3] {
+pub(crate) fn first_sector(state: &State<'_>) -> [i32; 3] {
     crate::pool::iterate(state.shape_used, state.header[0].shapes.high)
         .next()
         .map_or([0; 3], |slot| state.motions[state.shapes[slot as usize].body as usize].center.sector)
 }
 
 /// A shape's fat box in the tree's coordinates, never smaller than it is.
-fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
+pub(crate) fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
     let shape = &state.shapes[slot as usize];
     let center = state.motions[shape.body as usize].center;
     let shift =
@@ -372,7 +373,7 @@ impl Search<'_> {
     }
 }
 
-fn tree_of<'a>(nodes: &'a [Aabb], order: &'a [u32], leaves: u32) -> Tree<'a> {
+pub(crate) fn tree_of<'a>(nodes: &'a [Aabb], order: &'a [u32], leaves: u32) -> Tree<'a> {
     let leaves = leaves as usize;
     Tree { nodes: &nodes[..tree::node_count(leaves)], order: &order[..leaves] }
 }

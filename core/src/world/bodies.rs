@@ -300,6 +300,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// [`Error::Stale`], or a number is refused; see [`MassProperties`].
     pub fn set_mass(&mut self, body: BodyHandle, mass: Option<&MassProperties>) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
+        // A far center rounds the pose anew.
+        self.cache_header_mut().queried = 0;
         match mass {
             Some(mass) => {
                 body::check_mass(mass)?;
@@ -463,7 +465,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// The trees no longer fit the shapes.
     pub(super) fn touch_trees(&mut self) {
         self.header_mut().static_version += 1;
-        self.cache_header_mut().moving_fits = 0;
+        let cache = self.cache_header_mut();
+        cache.moving_fits = 0;
+        cache.moving_listed = 0;
+        cache.queried = 0;
     }
 
     pub(super) fn body_slot(&self, body: BodyHandle) -> Result<usize, Error> {

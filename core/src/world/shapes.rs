@@ -137,6 +137,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let state = self.state_view();
         state.shapes[slot].density = density;
         let body = state.shapes[slot].body as usize;
+        self.cache_header_mut().queried = 0;
         self.update_mass(body);
         Ok(())
     }

@@ -1,0 +1,117 @@
+//! The lines of each geometry.
+
+use super::{Color, DebugDraw};
+use crate::collide::polytope::{BOX_EDGES, BoxHull};
+use crate::collide::{Edge, Mesh, Solid};
+use crate::math::{Aabb, PI, Pose, Vec3, cos, sin};
+
+/// Lines of a full circle: a multiple of four.
+pub(crate) const CIRCLE: usize = 24;
+/// Lines of a half-space's grid, each way.
+pub(crate) const GRID: i32 = 11;
+/// Distance between the grid's lines, metres.
+const GRID_STEP: f32 = 1.0;
+
+/// Draws in one color.
+pub(crate) struct Pen<'a, D> {
+    pub draw: &'a mut D,
+    pub color: Color,
+    /// How far from the origin, metres.
+    pub reach: f32,
+}
+
+impl<D: DebugDraw> Pen<'_, D> {
+    /// Draws a shape at a pose in the drawing's frame.
+    pub fn solid(&mut self, solid: &Solid<'_>, pose: &Pose) {
+        match solid {
+            Solid::Sphere { radius } => self.ball(pose, *radius),
+            Solid::Capsule { half_height, radius } => self.capsule(pose, *half_height, *radius),
+            Solid::Box { half_extents } => {
+                let cuboid = BoxHull::new(*half_extents);
+                self.edges(cuboid.hull().vertices, &BOX_EDGES, pose);
+            }
+            Solid::Hull(hull) => self.edges(hull.vertices, hull.edges, pose),
+            Solid::HalfSpace => self.half_space(pose),
+            Solid::Mesh(mesh) => self.mesh(mesh, pose),
+        }
+    }
+
+    /// Draws the twelve edges of a box in the drawing's frame.
+    pub fn cuboid(&mut self, bounds: &Aabb) {
+        let cuboid = BoxHull::new(bounds.half_extents());
+        let pose = Pose::new(bounds.center(), crate::math::Rotation::IDENTITY);
+        self.edges(cuboid.hull().vertices, &BOX_EDGES, &pose);
+    }
+
+    fn line(&mut self, pose: &Pose, from: Vec3, to: Vec3) {
+        self.draw.line(pose.transform(from), pose.transform(to), self.color);
+    }
+
+    fn edges(&mut self, corners: &[Vec3], edges: &[Edge], pose: &Pose) {
+        for edge in edges {
+            self.line(pose, corners[edge.tail as usize], corners[edge.head as usize]);
+        }
+    }
+
+    /// An arc about `center` from the direction `x` over `y`; `lines` of a full circle's.
+    fn arc(&mut self, pose: &Pose, center: Vec3, (x, y): (Vec3, Vec3), lines: usize) {
+        let at = |i: usize| {
+            let turn = 2.0 * PI * i as f32 / CIRCLE as f32;
+            center + x * cos(turn) + y * sin(turn)
+        };
+        for i in 0..lines {
+            self.line(pose, at(i), at(i + 1));
+        }
+    }
+
+    /// Three great circles.
+    fn ball(&mut self, pose: &Pose, radius: f32) {
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis * radius);
+        for plane in [(x, y), (y, z), (z, x)] {
+            self.arc(pose, Vec3::ZERO, plane, CIRCLE);
+        }
+    }
+
+    /// A circle and two arches at each end, and four lines between.
+    fn capsule(&mut self, pose: &Pose, half_height: f32, radius: f32) {
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis * radius);
+        for side in [-1.0, 1.0] {
+            let end = Vec3::Z * (side * half_height);
+            self.arc(pose, end, (x, y), CIRCLE);
+            self.arc(pose, end, (x, z * side), CIRCLE / 2);
+            self.arc(pose, end, (y, z * side), CIRCLE / 2);
+        }
+        let up = Vec3::Z * half_height;
+        for side in [x, -x, y, -y] {
+            self.line(pose, side - up, side + up);
+        }
+    }
+
+    /// A grid on the surface under the drawing's origin, at whole steps of the shape's own coordinates, and a line
+    /// along the normal.
+    fn half_space(&mut self, pose: &Pose) {
+        let under = pose.untransform(Vec3::ZERO);
+        let snap = |x: f32| libm::rintf(x / GRID_STEP) * GRID_STEP;
+        let middle = Vec3::new(snap(under.x), snap(under.y), 0.0);
+        let half = (GRID / 2) as f32 * GRID_STEP;
+        for i in -GRID / 2..=GRID / 2 {
+            let aside = i as f32 * GRID_STEP;
+            for (along, across) in [(Vec3::X, Vec3::Y), (Vec3::Y, Vec3::X)] {
+                let at = middle + across * aside;
+                self.line(pose, at - along * half, at + along * half);
+            }
+        }
+        self.line(pose, middle, middle + Vec3::Z * GRID_STEP);
+    }
+
+    /// The edges of the triangles within reach.
+    fn mesh(&mut self, mesh: &Mesh<'_>, pose: &Pose) {
+        let region = Aabb::around(pose.untransform(Vec3::ZERO), Vec3::splat(self.reach));
+        mesh.tree.query(&region, |index| {
+            let [a, b, c] = mesh.triangles[index as usize].vertices.map(|v| mesh.vertices[v as usize]);
+            self.line(pose, a, b);
+            self.line(pose, b, c);
+            self.line(pose, c, a);
+        });
+    }
+}

@@ -1,0 +1,210 @@
+//! What debug drawing draws: lines and points of every kind of shape at the right places.
+
+use cellstep::debug::{Color, colors};
+use cellstep::math::{Pose, Rotation, Vec3};
+use cellstep::{
+    BodyDef, BodyKind, DebugDraw, DebugLayers, DebugOptions, Geometry, HullHandle, MeshHandle, Position,
+    Serial, ShapeDef,
+};
+use cellstep_tests::simulator;
+use cellstep_tests::worlds::{OwnedWorld, add, ground, run, world};
+
+/// Keeps everything that is drawn.
+#[derive(Default)]
+struct Recorder {
+    lines: Vec<(Vec3, Vec3, Color)>,
+    points: Vec<(Vec3, Color)>,
+    texts: Vec<(Vec3, String, Color)>,
+}
+
+impl DebugDraw for Recorder {
+    fn line(&mut self, from: Vec3, to: Vec3, color: Color) {
+        self.lines.push((from, to, color));
+    }
+
+    fn point(&mut self, at: Vec3, color: Color) {
+        self.points.push((at, color));
+    }
+
+    fn text(&mut self, at: Vec3, text: &str, color: Color) {
+        self.texts.push((at, text.to_string(), color));
+    }
+}
+
+fn drawn(world: &OwnedWorld, origin: Position, layers: DebugLayers) -> Recorder {
+    let mut recorder = Recorder::default();
+    world.debug_draw(origin, &DebugOptions { layers, ..DebugOptions::default() }, &mut recorder);
+    recorder
+}
+
+/// A world with one shape at a pose of its body.
+fn with_shape(kind: BodyKind, geometry: Geometry, (place, rotation): (Vec3, Rotation)) -> OwnedWorld {
+    let mut world = simulator::empty_world(simulator::CAPACITIES);
+    let def = BodyDef { rotation, ..BodyDef::new(kind, place) };
+    add(&mut world, &def, &ShapeDef::new(geometry));
+    world
+}
+
+fn same(a: Vec3, b: Vec3) -> bool {
+    (a - b).length() < 1.0e-5
+}
+
+const PLACE: Vec3 = Vec3::new(3.0, -2.0, 5.0);
+
+fn turned() -> Rotation {
+    Rotation::from_rotation_vector(Vec3::new(0.4, -1.1, 0.3))
+}
+
+#[test]
+fn a_box_has_twelve_edges_between_its_corners() {
+    let half = Vec3::new(0.5, 1.0, 2.0);
+    let world = with_shape(BodyKind::Dynamic, Geometry::Box { half_extents: half }, (PLACE, turned()));
+    let origin = Position::at(Vec3::new(1.0, 1.0, 1.0));
+    let found = drawn(&world, origin, DebugLayers::SHAPES);
+    assert_eq!((found.lines.len(), found.points.len(), found.texts.len()), (12, 0, 0));
+    let pose = Pose::new(PLACE - Vec3::ONE, turned());
+    let corner = |i: usize| {
+        let side = |axis: usize| if i >> axis & 1 == 1 { half[axis] } else { -half[axis] };
+        pose.transform(Vec3::new(side(0), side(1), side(2)))
+    };
+    for i in 0..8 {
+        for axis in [1, 2, 4] {
+            if i & axis == 0 {
+                let (a, b) = (corner(i), corner(i | axis));
+                let is_it = |line: &&(Vec3, Vec3, Color)| {
+                    (same(line.0, a) && same(line.1, b)) || (same(line.0, b) && same(line.1, a))
+                };
+                let lines: Vec<_> = found.lines.iter().filter(is_it).collect();
+                assert!(lines.len() == 1 && lines[0].2 == colors::DYNAMIC, "edge {a} {b}: {lines:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn round_shapes_are_drawn_on_their_surface() {
+    let ball = with_shape(BodyKind::Kinematic, Geometry::Sphere { radius: 0.7 }, (PLACE, turned()));
+    let found = drawn(&ball, Position::ORIGIN, DebugLayers::SHAPES);
+    assert_eq!(found.lines.len(), 72);
+    for (a, b, color) in &found.lines {
+        assert!(((*a - PLACE).length() - 0.7).abs() < 1.0e-5 && ((*b - PLACE).length() - 0.7).abs() < 1.0e-5);
+        assert_eq!(*color, colors::KINEMATIC);
+    }
+    let geometry = Geometry::Capsule { half_height: 1.0, radius: 0.3 };
+    let capsule = with_shape(BodyKind::Dynamic, geometry, (PLACE, turned()));
+    let found = drawn(&capsule, Position::ORIGIN, DebugLayers::SHAPES);
+    // Two circles of 24, four arches of 12, four lines.
+    assert_eq!(found.lines.len(), 2 * 24 + 4 * 12 + 4);
+    let pose = Pose::new(PLACE, turned());
+    for end in found.lines.iter().flat_map(|line| [line.0, line.1]) {
+        let p = pose.untransform(end);
+        let on_axis = Vec3::Z * cellstep::math::clamp(p.z, -1.0, 1.0);
+        assert!(((p - on_axis).length() - 0.3).abs() < 1.0e-5, "{p}");
+    }
+    let top = found.lines.iter().map(|line| pose.untransform(line.1).z).fold(0.0, cellstep::math::max);
+    assert!((top - 1.3).abs() < 1.0e-5);
+}
+
+#[test]
+fn hulls_meshes_and_half_spaces_are_drawn_whole() {
+    let pose = Pose::new(PLACE, turned());
+    let hull = with_shape(BodyKind::Static, Geometry::Hull(HullHandle(0)), (PLACE, turned()));
+    let found = drawn(&hull, Position::ORIGIN, DebugLayers::SHAPES);
+    let tables = hull.hull(HullHandle(0)).expect("registered");
+    assert_eq!(found.lines.len(), 8, "a pyramid has eight edges");
+    for (line, edge) in found.lines.iter().zip(tables.edges) {
+        assert!(same(line.0, pose.transform(tables.vertices[edge.tail as usize])));
+        assert!(same(line.1, pose.transform(tables.vertices[edge.head as usize])));
+    }
+    let mesh = with_shape(BodyKind::Static, Geometry::Mesh(MeshHandle(0)), (PLACE, turned()));
+    let found = drawn(&mesh, Position::ORIGIN, DebugLayers::SHAPES);
+    assert_eq!(found.lines.len(), 3 * 32);
+    let corners: Vec<Vec3> =
+        mesh.mesh(MeshHandle(0)).expect("registered").vertices.iter().map(|&v| pose.transform(v)).collect();
+    for end in found.lines.iter().flat_map(|line| [line.0, line.1]) {
+        assert!(corners.iter().any(|&corner| same(corner, end)));
+    }
+    let plane = with_shape(BodyKind::Static, Geometry::HalfSpace, (PLACE, turned()));
+    let found = drawn(&plane, Position::ORIGIN, DebugLayers::SHAPES);
+    assert_eq!(found.lines.len(), 2 * 11 + 1);
+    let normal = turned().rotate(Vec3::Z);
+    for line in &found.lines[..22] {
+        assert!((line.0 - PLACE).dot(normal).abs() < 1.0e-5 && (line.1 - PLACE).dot(normal).abs() < 1.0e-5);
+    }
+    assert!(same(found.lines[22].1 - found.lines[22].0, normal));
+}
+
+#[test]
+fn what_is_out_of_reach_is_left_out() {
+    let geometry = Geometry::Box { half_extents: Vec3::ONE };
+    let world = with_shape(BodyKind::Dynamic, geometry, (Vec3::new(40.0, 0.0, 0.0), Rotation::IDENTITY));
+    for (reach, lines) in [(30.0, 0), (38.5, 0), (39.5, 12), (41.0, 15)] {
+        let mut recorder = Recorder::default();
+        let layers = DebugLayers::SHAPES.and(DebugLayers::AXES);
+        let options = DebugOptions { layers, reach, ..DebugOptions::default() };
+        world.debug_draw(Position::ORIGIN, &options, &mut recorder);
+        assert_eq!(recorder.lines.len(), lines, "{reach}");
+    }
+}
+
+#[test]
+fn contacts_and_their_impulses_are_drawn() {
+    let mut world = world(2);
+    ground(&mut world, 0.5);
+    let shape = ShapeDef::new(Geometry::Box { half_extents: Vec3::splat(0.5) });
+    let (body, _) = add(&mut world, &BodyDef::new(BodyKind::Dynamic, Vec3::new(2.0, 0.0, 0.5)), &shape);
+    run(&mut world, 120);
+    let weight = 1000.0 * 9.81;
+    let substep = world.settings().substep();
+    let options = DebugOptions {
+        layers: DebugLayers::ALL,
+        impulse_scale: 1.0 / (weight * substep),
+        axis_length: 0.125,
+        ..DebugOptions::default()
+    };
+    let mut found = Recorder::default();
+    world.debug_draw(Position::ORIGIN, &options, &mut found);
+    let of = |color: Color| found.lines.iter().filter(move |line| line.2 == color);
+    let normals: Vec<_> = of(colors::NORMAL).collect();
+    assert_eq!(normals.len(), 4);
+    assert!(normals.iter().all(|line| same(line.1 - line.0, Vec3::Z * 0.125)));
+    // The ground has the lower slot: impulses act on the box, upwards, and carry its weight.
+    let impulse: Vec<_> = of(colors::IMPULSE).collect();
+    assert_eq!(impulse.len(), 1);
+    assert!((impulse[0].1 - impulse[0].0 - Vec3::Z).length() < 0.01, "{impulse:?}");
+    assert!((impulse[0].0 - Vec3::new(2.0, 0.0, 0.0)).length() < 0.02, "{impulse:?}");
+    assert_eq!(of(colors::FRICTION).count(), 1);
+    let points = found.points.iter().filter(|point| point.1 != colors::CENTER);
+    assert_eq!(points.count(), 4);
+    let center = world.center(body).expect("alive").offset;
+    assert!(found.points.contains(&(center, colors::CENTER)));
+    // One box of the broadphase: the half-space's has no end.
+    assert_eq!(of(colors::FAT_BOX).count(), 12);
+    let fat =
+        of(colors::FAT_BOX).map(|line| (line.0 - center).abs().max_element()).fold(0.0, cellstep::math::max);
+    assert!(fat > 0.51 && fat < 0.7, "{fat}");
+    for (axis, color) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().zip(colors::AXES) {
+        // Of the ground and of the box.
+        assert_eq!(of(color).count(), 2);
+        assert!(of(color).all(|line| (line.1 - line.0 - axis * 0.125).length() < 1.0e-3));
+    }
+    let texts: Vec<&str> = found.texts.iter().map(|text| text.1.as_str()).collect();
+    assert_eq!(texts[..2], ["0", "1: 1000 kg"]);
+    assert!(texts.len() == 3 && texts[2].ends_with(" N s"), "{texts:?}");
+}
+
+#[test]
+fn drawing_is_as_fine_far_away_and_changes_nothing() {
+    let far = Position::from_f64([1.0e7 + 0.5, -1.0e7, 3.0]);
+    let mut world = world(2);
+    let def = BodyDef { position: far, rotation: turned(), ..BodyDef::default() };
+    add(&mut world, &def, &ShapeDef::new(Geometry::Box { half_extents: Vec3::splat(0.5) }));
+    let before = world.checksum();
+    let near = drawn(&world, Position { offset: far.offset + Vec3::X, ..far }, DebugLayers::ALL);
+    assert_eq!(world.checksum(), before);
+    let pose = Pose::new(-Vec3::X, turned());
+    let corner = pose.transform(Vec3::splat(0.5));
+    assert!(near.lines.iter().any(|line| same(line.0, corner) || same(line.1, corner)));
+    world.step(&mut Serial);
+    assert!(drawn(&world, far, DebugLayers::NONE).lines.is_empty());
+}
