@@ -367,11 +367,13 @@ impl QueryShape {
         self.geometry.check()?;
         validate::position("position", &self.position)?;
         validate::rotation("rotation", self.rotation)?;
-        if !self.row().is_convex() {
+        if self.geometry.is_surface() || matches!(self.geometry, Geometry::Compound(_)) {
             return Err(Error::NotConvex);
         }
         match self.geometry {
-            Geometry::Hull(hull) if !assets.has_hull(hull.0) => Err(Error::Stale { what: "hull" }),
+            Geometry::Hull(hull) | Geometry::RoundedHull { hull, .. } if !assets.has_hull(hull.0) => {
+                Err(Error::Stale { what: "hull" })
+            }
             _ => Ok(()),
         }
     }

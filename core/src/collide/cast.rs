@@ -4,18 +4,23 @@
 //! support.rs   convex shapes as support functions           the one place a new convex kind needs an arm in
 //! gjk.rs       distance of two convex sets
 //! ray.rs       closed forms for rays, triangles of meshes
+//! grid.rs      cells of a height field along a way, and around a box
+//! children.rs  boxes of a compound's children
 //! sweep.rs     a convex shape that moves against any shape   also rays at shapes without a closed form
 //! nearest.rs   distance and overlap of a convex shape and any shape
 //! ```
 //! Concave shapes have an arm beside that of meshes in the last three.
 
+mod children;
 pub(crate) mod frame;
 pub(crate) mod gjk;
+mod grid;
 pub(crate) mod nearest;
 pub(crate) mod ray;
 pub(crate) mod support;
 pub(crate) mod sweep;
 
+use frame::Frame;
 use glam::DVec3;
 
 /// Where something that moves meets a shape, in the shape's frame.
@@ -31,6 +36,13 @@ pub(crate) struct Contact {
     pub child: u32,
 }
 
+impl Contact {
+    /// The same in the frame in which its frame stands so.
+    fn outside(self, frame: &Frame) -> Self {
+        Self { normal: frame.turn(self.normal), point: frame.transform(self.point), ..self }
+    }
+}
+
 /// How near a convex shape is to another shape, in that shape's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness {
@@ -42,4 +54,11 @@ pub(crate) struct Nearness {
     pub point: DVec3,
     /// Part of a concave shape; 0 else.
     pub child: u32,
+}
+
+impl Nearness {
+    /// The same in the frame in which its frame stands so.
+    fn outside(self, frame: &Frame) -> Self {
+        Self { normal: frame.turn(self.normal), point: frame.transform(self.point), ..self }
+    }
 }

@@ -1,8 +1,9 @@
 //! The lines of each geometry.
 
 use super::{Color, DebugDraw};
+use crate::collide::height_field::HeightField;
 use crate::collide::polytope::{BOX_EDGES, BoxHull};
-use crate::collide::{Edge, Mesh, Solid};
+use crate::collide::{Edge, Hull, Mesh, Solid};
 use crate::math::{Aabb, PI, Pose, Vec3, cos, sin};
 
 /// Lines of a full circle: a multiple of four.
@@ -33,6 +34,16 @@ impl<D: DebugDraw> Pen<'_, D> {
             Solid::Hull(hull) => self.edges(hull.vertices, hull.edges, pose),
             Solid::HalfSpace => self.half_space(pose),
             Solid::Mesh(mesh) => self.mesh(mesh, pose),
+            Solid::Cylinder { half_height, radius } => self.cylinder(pose, *half_height, *radius),
+            Solid::Cone { half_height, radius } => self.cone(pose, *half_height, *radius),
+            Solid::RoundedHull { hull, radius } => self.rounded(hull, *radius, pose),
+            Solid::HeightField(field) => self.height_field(field, pose),
+            Solid::Compound(compound) => {
+                for index in 0..compound.len() as u32 {
+                    let (child, own) = compound.child(index);
+                    self.solid(&child, &pose.after(&own));
+                }
+            }
         }
     }
 
@@ -85,6 +96,49 @@ impl<D: DebugDraw> Pen<'_, D> {
         for side in [x, -x, y, -y] {
             self.line(pose, side - up, side + up);
         }
+    }
+
+    /// A circle at each end, and four lines between.
+    fn cylinder(&mut self, pose: &Pose, half_height: f32, radius: f32) {
+        let [x, y] = [Vec3::X, Vec3::Y].map(|axis| axis * radius);
+        let up = Vec3::Z * half_height;
+        self.arc(pose, up, (x, y), CIRCLE);
+        self.arc(pose, -up, (x, y), CIRCLE);
+        for side in [x, -x, y, -y] {
+            self.line(pose, side - up, side + up);
+        }
+    }
+
+    /// The circle of the base, and four lines to the apex.
+    fn cone(&mut self, pose: &Pose, half_height: f32, radius: f32) {
+        let [x, y] = [Vec3::X, Vec3::Y].map(|axis| axis * radius);
+        let up = Vec3::Z * half_height;
+        self.arc(pose, -up, (x, y), CIRCLE);
+        for side in [x, -x, y, -y] {
+            self.line(pose, side - up, up);
+        }
+    }
+
+    /// The edges of the faces, each face moved out by the radius.
+    fn rounded(&mut self, hull: &Hull<'_>, radius: f32, pose: &Pose) {
+        for edge in hull.edges {
+            let [tail, head] = [edge.tail, edge.head].map(|corner| hull.vertices[usize::from(corner)]);
+            for face in [edge.left, edge.right] {
+                let out = hull.planes[usize::from(face)].normal * radius;
+                self.line(pose, tail + out, head + out);
+            }
+        }
+    }
+
+    /// The edges of the triangles within reach.
+    fn height_field(&mut self, field: &HeightField<'_>, pose: &Pose) {
+        let region = Aabb::around(pose.untransform(Vec3::ZERO), Vec3::splat(self.reach));
+        field.query(&region, |index| {
+            let ([a, b, c], _) = field.triangle(index);
+            self.line(pose, a, b);
+            self.line(pose, b, c);
+            self.line(pose, c, a);
+        });
     }
 
     /// A grid on the surface under the drawing's origin, at whole steps of the shape's own coordinates, and a line

@@ -4,7 +4,7 @@
 //! Double precision keeps what the state holds, so that queries need no care for distance. Its `+ - * /` and
 //! square roots are as fixed by IEEE 754 as those of f32.
 
-use crate::math::{Rotation, Vec3};
+use crate::math::{Pose, Rotation, Vec3};
 use glam::DVec3;
 
 /// A rotation and a place.
@@ -48,6 +48,11 @@ impl Frame {
             DVec3::new(xz + wy, yz - wx, 1.0 - (xx + yy)),
         ];
         Self { position, axes }
+    }
+
+    /// The frame of a pose.
+    pub fn of(pose: &Pose) -> Self {
+        Self::new(widened(pose.position), pose.rotation)
     }
 
     /// The same axes at another place.

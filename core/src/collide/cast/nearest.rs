@@ -7,6 +7,9 @@ use super::Nearness;
 use super::frame::{Frame, widened};
 use super::gjk::Pair;
 use super::support::Core;
+use super::{children, grid};
+use crate::collide::compound::Compound;
+use crate::collide::height_field::HeightField;
 use crate::collide::tree::search::Near;
 use crate::collide::{Mesh, Solid};
 use glam::DVec3;
@@ -26,6 +29,8 @@ pub(crate) fn nearest(solid: &Solid<'_>, (core, frame): (&Core<'_>, &Frame), lim
             }
         }
         Solid::Mesh(mesh) => nearest_triangle(&mesh, (core, frame), limit)?,
+        Solid::HeightField(field) => nearest_cell(&field, (core, frame), limit)?,
+        Solid::Compound(compound) => nearest_child(&compound, (core, frame), limit)?,
         _ => between(&Core::new(solid)?, (core, frame), 0),
     };
     (found.distance <= limit).then_some(found)
@@ -49,19 +54,57 @@ fn between(other: &Core<'_>, (core, frame): (&Core<'_>, &Frame), child: u32) -> 
 fn nearest_triangle(mesh: &Mesh<'_>, (core, frame): (&Core<'_>, &Frame), limit: f64) -> Option<Nearness> {
     let near = Near::new(core.bounds(frame));
     let mut best: Option<Nearness> = None;
-    let mut limit = limit;
     mesh.tree.search(
         Near::limit(limit),
         |bounds| near.bound(bounds),
         |index| {
             let corners = mesh.triangles[index as usize].vertices.map(|v| widened(mesh.vertices[v as usize]));
             let found = between(&Core::triangle(corners), (core, frame), index);
-            if best.is_none_or(|best| (found.distance, found.child) < (best.distance, best.child)) {
-                best = Some(found);
-                limit = if found.distance < limit { found.distance } else { limit };
-            }
-            Near::limit(limit)
+            best = first(best, found);
+            Near::limit(reach(best, limit))
         },
     );
     best
+}
+
+fn nearest_cell(field: &HeightField<'_>, (core, frame): (&Core<'_>, &Frame), limit: f64) -> Option<Nearness> {
+    let mut best: Option<Nearness> = None;
+    grid::around(field, core.bounds(frame), limit, |index, corners| {
+        best = first(best, between(&Core::triangle(corners), (core, frame), index));
+        reach(best, limit)
+    });
+    best
+}
+
+fn nearest_child(
+    compound: &Compound<'_>,
+    (core, frame): (&Core<'_>, &Frame),
+    limit: f64,
+) -> Option<Nearness> {
+    let near = Near::new(children::grown(compound, core.bounds(frame)));
+    let mut best: Option<Nearness> = None;
+    compound.tree.search(
+        Near::limit(limit),
+        |bounds| near.bound(bounds),
+        |index| {
+            let (child, pose) = compound.child(index);
+            let place = Frame::of(&pose);
+            if let Some(other) = Core::new(&child) {
+                let found = between(&other, (core, &place.relative(frame)), index);
+                best = first(best, found.outside(&place));
+            }
+            Near::limit(reach(best, limit))
+        },
+    );
+    best
+}
+
+/// The first of two, in order of distance and part.
+fn first(best: Option<Nearness>, found: Nearness) -> Option<Nearness> {
+    best.filter(|best| (best.distance, best.child) <= (found.distance, found.child)).or(Some(found))
+}
+
+/// How far matters when this was found.
+fn reach(best: Option<Nearness>, limit: f64) -> f64 {
+    best.map_or(limit, |best| if best.distance < limit { best.distance } else { limit })
 }

@@ -7,8 +7,10 @@
 //!
 //! Half-spaces, and convex shapes without a closed form here, are met by a point that moves ([`sweep`]).
 
-use super::frame::{length, widened};
-use super::{Contact, sweep};
+use super::frame::{Frame, length, widened};
+use super::{Contact, children, grid, sweep};
+use crate::collide::compound::Compound;
+use crate::collide::height_field::HeightField;
 use crate::collide::tree::search::Way;
 use crate::collide::{Hull, Mesh, Solid};
 use glam::DVec3;
@@ -41,15 +43,24 @@ impl Ray {
 /// Contacts farther than `limit` metres may be left out; `visit` returns the limit from then on.
 pub(crate) fn cast(solid: &Solid<'_>, ray: &Ray, limit: f64, mut visit: impl FnMut(Contact) -> f64) {
     let found = match *solid {
+        Solid::Mesh(mesh) => return cast_mesh(&mesh, ray, limit, visit),
+        Solid::HeightField(field) => return cast_field(&field, ray, limit, visit),
+        Solid::Compound(compound) => return cast_compound(&compound, ray, limit, visit),
+        _ => convex(solid, ray, limit),
+    };
+    if let Some(contact) = found {
+        visit(contact);
+    }
+}
+
+/// Where the ray enters a convex shape or a half-space.
+fn convex(solid: &Solid<'_>, ray: &Ray, limit: f64) -> Option<Contact> {
+    match *solid {
         Solid::Sphere { radius } => sphere(ray, DVec3::ZERO, f64::from(radius)),
         Solid::Capsule { half_height, radius } => capsule(ray, f64::from(half_height), f64::from(radius)),
         Solid::Box { half_extents } => cuboid(ray, widened(half_extents)),
         Solid::Hull(hull) => polytope(ray, &hull),
-        Solid::Mesh(mesh) => return cast_mesh(&mesh, ray, limit, visit),
         _ => sweep::cast(solid, &sweep::Moving::point(ray), limit),
-    };
-    if let Some(contact) = found {
-        visit(contact);
     }
 }
 
@@ -184,6 +195,41 @@ fn cast_mesh(mesh: &Mesh<'_>, ray: &Ray, limit: f64, mut visit: impl FnMut(Conta
             let corners = mesh.triangles[index as usize].vertices.map(|v| widened(mesh.vertices[v as usize]));
             if let Some(contact) = triangle(ray, corners, index) {
                 limit = visit(contact);
+            }
+            way.limit(limit)
+        },
+    );
+}
+
+fn cast_field(field: &HeightField<'_>, ray: &Ray, limit: f64, mut visit: impl FnMut(Contact) -> f64) {
+    let mut limit = limit;
+    let way = (ray.origin, ray.direction, ray.length);
+    grid::along(field, way, (DVec3::ZERO, DVec3::ZERO), limit, |index, corners| {
+        if let Some(contact) = triangle(ray, corners, index) {
+            limit = visit(contact);
+        }
+        limit
+    });
+}
+
+fn cast_compound(compound: &Compound<'_>, ray: &Ray, limit: f64, mut visit: impl FnMut(Contact) -> f64) {
+    let way = (ray.origin, ray.direction, ray.length);
+    let bounds = children::grown(compound, (DVec3::ZERO, DVec3::ZERO));
+    let Some(way) = Way::new(&compound.tree, way, bounds) else { return };
+    let mut limit = limit;
+    compound.tree.search(
+        way.limit(limit),
+        |bounds| way.bound(bounds),
+        |index| {
+            let (child, pose) = compound.child(index);
+            let frame = Frame::of(&pose);
+            let inner = Ray {
+                origin: frame.untransform(ray.origin),
+                direction: frame.unturn(ray.direction),
+                length: ray.length,
+            };
+            if let Some(contact) = convex(&child, &inner, limit) {
+                limit = visit(Contact { child: index, ..contact.outside(&frame) });
             }
             way.limit(limit)
         },

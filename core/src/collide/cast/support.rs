@@ -29,6 +29,10 @@ enum Kind<'a> {
     Points(&'a [Vec3]),
     /// The hull of three points.
     Triangle([DVec3; 3]),
+    /// About z, from minus to plus the first along it; then the radius.
+    Cylinder(f64, f64),
+    /// Apex at the first on z, base at minus that; then the base's radius.
+    Cone(f64, f64),
 }
 
 impl<'a> Core<'a> {
@@ -49,7 +53,16 @@ impl<'a> Core<'a> {
             }
             Solid::Box { half_extents } => Self { kind: Kind::Box(widened(half_extents)), radius: 0.0 },
             Solid::Hull(hull) => Self { kind: Kind::Points(hull.vertices), radius: 0.0 },
-            Solid::HalfSpace | Solid::Mesh(_) => return None,
+            Solid::Cylinder { half_height, radius } => {
+                Self { kind: Kind::Cylinder(f64::from(half_height), f64::from(radius)), radius: 0.0 }
+            }
+            Solid::Cone { half_height, radius } => {
+                Self { kind: Kind::Cone(f64::from(half_height), f64::from(radius)), radius: 0.0 }
+            }
+            Solid::RoundedHull { hull, radius } => {
+                Self { kind: Kind::Points(hull.vertices), radius: f64::from(radius) }
+            }
+            Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_) | Solid::Compound(_) => return None,
         })
     }
 
@@ -65,6 +78,15 @@ impl<'a> Core<'a> {
             }
             Kind::Points(points) => farthest(points.iter().map(|&point| widened(point)), direction),
             Kind::Triangle(corners) => farthest(corners.into_iter(), direction),
+            Kind::Cylinder(half, radius) => rim(direction, radius, side(half, direction.z)),
+            Kind::Cone(half, radius) => {
+                let across = libm::sqrt(direction.x * direction.x + direction.y * direction.y);
+                if 2.0 * half * direction.z >= radius * across {
+                    DVec3::new(0.0, 0.0, half)
+                } else {
+                    rim(direction, radius, -half)
+                }
+            }
         }
     }
 
@@ -80,6 +102,15 @@ impl<'a> Core<'a> {
         let (low, high) = self.bounds(&Frame::IDENTITY);
         length(high - low)
     }
+}
+
+/// The point of a circle about z at a height that is farthest along `d`; its center along the axis.
+fn rim(d: DVec3, radius: f64, z: f64) -> DVec3 {
+    let across = libm::sqrt(d.x * d.x + d.y * d.y);
+    if across <= 1.0e-12 * d.z.abs() {
+        return DVec3::new(0.0, 0.0, z);
+    }
+    DVec3::new(radius * (d.x / across), radius * (d.y / across), z)
 }
 
 /// The first of the points that lie farthest along a direction.

@@ -11,10 +11,14 @@
 //! of contact is the moving shape's origin.
 
 use super::Contact;
+use super::children;
 use super::frame::{Frame, widened};
 use super::gjk::{Pair, Separation};
+use super::grid;
 use super::ray::Ray;
 use super::support::Core;
+use crate::collide::compound::Compound;
+use crate::collide::height_field::HeightField;
 use crate::collide::tree::search::Way;
 use crate::collide::{Mesh, Solid};
 use glam::DVec3;
@@ -66,6 +70,8 @@ pub(crate) fn cast(solid: &Solid<'_>, moving: &Moving<'_>, limit: f64) -> Option
     match *solid {
         Solid::HalfSpace => half_space(moving),
         Solid::Mesh(mesh) => cast_mesh(&mesh, moving, limit),
+        Solid::HeightField(field) => cast_field(&field, moving, limit),
+        Solid::Compound(compound) => cast_compound(&compound, moving, limit),
         _ => convex(&Core::new(solid)?, moving, (limit, 0)),
     }
 }
@@ -88,22 +94,59 @@ fn cast_mesh(mesh: &Mesh<'_>, moving: &Moving<'_>, limit: f64) -> Option<Contact
     let way = (moving.frame.position, moving.direction, moving.length);
     let way = Way::new(&mesh.tree, way, moving.bounds())?;
     let mut best: Option<Contact> = None;
-    let mut limit = limit;
     mesh.tree.search(
         way.limit(limit),
         |bounds| way.bound(bounds),
         |index| {
             let corners = mesh.triangles[index as usize].vertices.map(|v| widened(mesh.vertices[v as usize]));
-            if let Some(found) = convex(&Core::triangle(corners), moving, (limit, index))
-                && best.is_none_or(|best| (found.distance, found.child) < (best.distance, best.child))
-            {
-                best = Some(found);
-                limit = if found.distance < limit { found.distance } else { limit };
+            let within = best.map_or(limit, |best| best.distance);
+            if let Some(found) = convex(&Core::triangle(corners), moving, (within, index)) {
+                best = first(best, found);
             }
-            way.limit(limit)
+            way.limit(best.map_or(limit, |best| best.distance))
         },
     );
     best
+}
+
+fn cast_field(field: &HeightField<'_>, moving: &Moving<'_>, limit: f64) -> Option<Contact> {
+    let mut best: Option<Contact> = None;
+    let way = (moving.frame.position, moving.direction, moving.length);
+    grid::along(field, way, moving.bounds(), limit, |index, corners| {
+        let within = best.map_or(limit, |best| best.distance);
+        if let Some(found) = convex(&Core::triangle(corners), moving, (within, index)) {
+            best = first(best, found);
+        }
+        best.map_or(limit, |best| best.distance)
+    });
+    best
+}
+
+fn cast_compound(compound: &Compound<'_>, moving: &Moving<'_>, limit: f64) -> Option<Contact> {
+    let way = (moving.frame.position, moving.direction, moving.length);
+    let way = Way::new(&compound.tree, way, children::grown(compound, moving.bounds()))?;
+    let mut best: Option<Contact> = None;
+    compound.tree.search(
+        way.limit(limit),
+        |bounds| way.bound(bounds),
+        |index| {
+            let within = best.map_or(limit, |best| best.distance);
+            let (child, pose) = compound.child(index);
+            let frame = Frame::of(&pose);
+            let direction = frame.unturn(moving.direction);
+            let inner = Moving { frame: frame.relative(&moving.frame), direction, ..*moving };
+            if let Some(found) = Core::new(&child).and_then(|core| convex(&core, &inner, (within, index))) {
+                best = first(best, found.outside(&frame));
+            }
+            way.limit(best.map_or(limit, |best| best.distance))
+        },
+    );
+    best
+}
+
+/// The first of two contacts, in order of distance and part.
+fn first(best: Option<Contact>, found: Contact) -> Option<Contact> {
+    best.filter(|best| (best.distance, best.child) <= (found.distance, found.child)).or(Some(found))
 }
 
 /// The first contact of two convex shapes.
