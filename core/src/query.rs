@@ -15,8 +15,8 @@
 //! no bit but the sectors.
 //!
 //! **Conventions.** Shapes are closed sets: who starts in one, or touches it, meets it at distance 0 with the
-//! normal turned against the motion. A half-space is solid below its surface. A mesh has no inside and two
-//! sides: the normal is that of the side from which it is met. A ray in the plane of a triangle passes; one
+//! normal turned against the motion. A half-space is solid below its surface. Meshes and height
+//! fields have no inside and two sides: the normal is that of the side from which they are met. A ray in the plane of a triangle passes; one
 //! along the face of a convex shape meets it.
 
 mod batch;
@@ -94,10 +94,10 @@ pub struct Ray {
     pub translation: Vec3,
 }
 
-/// A convex shape somewhere.
+/// A shape with an inside, somewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QueryShape {
-    /// Its geometry: any convex one.
+    /// Its geometry: any convex one, or a compound of them, which is asked for child by child.
     pub geometry: Geometry,
     /// Where the shape's origin is.
     pub position: Position,
@@ -105,7 +105,7 @@ pub struct QueryShape {
     pub rotation: Rotation,
 }
 
-/// A convex shape that moves along a line without turning.
+/// A shape that moves along a line without turning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeCast {
     /// The shape where it starts.
@@ -117,7 +117,7 @@ pub struct ShapeCast {
 /// What overlap is looked for with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Region {
-    /// A point. It overlaps solid shapes, and a mesh only where it lies exactly on a triangle.
+    /// A point. It overlaps solid shapes, and a mesh or height field only where it lies exactly on a triangle.
     Point(Position),
     /// A box along the world's axes.
     Box {
@@ -126,7 +126,7 @@ pub enum Region {
         /// Half of each edge, metres, 1e-5..=1e5.
         half_extents: Vec3,
     },
-    /// A convex shape.
+    /// A shape.
     Shape(QueryShape),
 }
 
@@ -146,7 +146,7 @@ pub struct Hit {
     pub shape: ShapeHandle,
     /// Its body.
     pub body: BodyHandle,
-    /// Part of a concave shape: the triangle; 0 else.
+    /// Part of a concave shape: the triangle, or the child of a compound; 0 else.
     pub child: u32,
     /// How far the query came, metres.
     pub distance: f32,
@@ -165,7 +165,7 @@ pub struct Overlap {
     pub shape: ShapeHandle,
     /// Its body.
     pub body: BodyHandle,
-    /// Least part of a concave shape that overlaps: the triangle; 0 else.
+    /// Least part of a concave shape that overlaps: the triangle, or the child of a compound; 0 else.
     pub child: u32,
 }
 
@@ -176,7 +176,7 @@ pub struct ClosestPoint {
     pub shape: ShapeHandle,
     /// Its body.
     pub body: BodyHandle,
-    /// Part of a concave shape: the triangle; 0 else.
+    /// Part of a concave shape: the triangle, or the child of a compound; 0 else.
     pub child: u32,
     /// Distance of the probe, metres; 0 inside.
     pub distance: f32,
@@ -218,8 +218,9 @@ impl Queries<'_> {
         self.first(ray, filter)
     }
 
-    /// Everything that a ray meets, in order: every convex shape once, where the ray enters it, and every
-    /// triangle of a mesh. What does not fit into `hits` is the farthest, and counted.
+    /// Everything that a ray meets, in order: every convex shape and every child of a compound once, where the ray
+    /// enters it, and every triangle of a mesh or height field. What does not fit into `hits` is the farthest, and
+    /// counted.
     ///
     /// # Errors
     /// As [`Queries::cast_ray`].
@@ -367,12 +368,15 @@ impl QueryShape {
         self.geometry.check()?;
         validate::position("position", &self.position)?;
         validate::rotation("rotation", self.rotation)?;
-        if self.geometry.is_surface() || matches!(self.geometry, Geometry::Compound(_)) {
+        if self.geometry.is_surface() {
             return Err(Error::NotConvex);
         }
         match self.geometry {
             Geometry::Hull(hull) | Geometry::RoundedHull { hull, .. } if !assets.has_hull(hull.0) => {
                 Err(Error::Stale { what: "hull" })
+            }
+            Geometry::Compound(compound) if !assets.has_compound(compound.0) => {
+                Err(Error::Stale { what: "compound" })
             }
             _ => Ok(()),
         }

@@ -310,6 +310,11 @@ impl<'a> AssetTables<'a> {
         self.hulls.get(index as usize).is_some_and(|row| row.vertex_count > 0)
     }
 
+    /// The same for a compound.
+    pub fn has_compound(&self, index: u32) -> bool {
+        self.compounds.get(index as usize).is_some_and(|row| row.children > 0)
+    }
+
     pub fn mesh(&self, index: u32) -> Mesh<'a> {
         let row = &self.meshes[index as usize];
         let has_surfaces = self.mesh_surfaces.get(index as usize).is_some_and(|run| run.count > 0);

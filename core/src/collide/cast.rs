@@ -4,14 +4,16 @@
 //! support.rs   convex shapes as support functions           the one place a new convex kind needs an arm in
 //! gjk.rs       distance of two convex sets
 //! ray.rs       closed forms for rays, triangles of meshes
+//! axial.rs     those for cylinders and cones
 //! grid.rs      cells of a height field along a way, and around a box
-//! children.rs  boxes of a compound's children
+//! children.rs  compounds: boxes of their children, and their children as what moves
 //! sweep.rs     a convex shape that moves against any shape   also rays at shapes without a closed form
 //! nearest.rs   distance and overlap of a convex shape and any shape
 //! ```
 //! Concave shapes have an arm beside that of meshes in the last three.
 
-mod children;
+mod axial;
+pub(crate) mod children;
 pub(crate) mod frame;
 pub(crate) mod gjk;
 mod grid;

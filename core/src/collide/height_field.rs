@@ -178,7 +178,7 @@ impl HeightField<'_> {
     }
 
     /// The cell of a column and row; none outside, and none for a hole.
-    fn solid_cell(&self, column: u32, row: u32) -> Option<u32> {
+    pub(crate) fn solid_cell(&self, column: u32, row: u32) -> Option<u32> {
         // What lies before 0 wraps to far beyond.
         if column >= self.columns - 1 || row >= self.rows - 1 {
             return None;

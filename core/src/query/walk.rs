@@ -4,6 +4,7 @@ use super::check_way;
 use super::{ClosestPoint, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region, ShapeCast};
 use crate::body::{BodyRow, Motion, Position};
 use crate::collide::Solid;
+use crate::collide::cast::children::Parts;
 use crate::collide::cast::frame::{Frame, length, narrowed, widened};
 use crate::collide::cast::support::Core;
 use crate::collide::cast::{Contact, Nearness, nearest, ray, sweep};
@@ -103,14 +104,14 @@ impl<'a> Queries<'a> {
         }
     }
 
-    /// Visits how near the shapes are to a core at a frame (from a place, in world axes), up to a distance.
+    /// Visits how near the shapes are to a solid at a frame (from a place, in world axes), up to a distance.
     fn around(
         &self,
-        (from, core, frame): (Position, &Core<'_>, &Frame),
+        (from, parts, frame): (Position, &Parts<'_>, &Frame),
         (filter, limit): (&QueryFilter, f64),
         mut visit: impl FnMut(&Candidate<'_>, &Nearness) -> f64,
     ) {
-        let (low, high) = core.bounds(frame);
+        let (low, high) = parts.bounds(frame);
         let place = self.in_trees(from);
         let near = Near::new((place + low, place + high));
         let (mut limit, most) = (limit, limit);
@@ -120,10 +121,9 @@ impl<'a> Queries<'a> {
                 |bounds| near.bound(bounds),
                 |slot| {
                     if let Some(candidate) = self.candidate(slot, filter, from) {
-                        let inner = candidate.frame.relative(frame);
                         // What is told is rounded: ties are found, and decided by their order.
                         let within = lesser(limit * TIES, most);
-                        if let Some(found) = nearest::nearest(&candidate.solid, (core, &inner), within) {
+                        if let Some(found) = candidate.nearest((parts, frame), within) {
                             limit = lesser(visit(&candidate, &found), limit);
                         }
                     }
@@ -135,6 +135,37 @@ impl<'a> Queries<'a> {
 }
 
 impl Candidate<'_> {
+    /// How near a solid at a frame is, up to a distance: its nearest part, of equally near ones that of the least
+    /// part of this shape.
+    fn nearest(&self, (parts, frame): (&Parts<'_>, &Frame), limit: f64) -> Option<Nearness> {
+        parts.at(frame).fold(None, |best: Option<Nearness>, (core, frame)| {
+            let inner = self.frame.relative(&frame);
+            let within = best.map_or(limit, |best| best.distance);
+            match nearest::nearest(&self.solid, (&core, &inner), within) {
+                Some(found) => nearest::first(best, found),
+                None => best,
+            }
+        })
+    }
+
+    /// Where a solid that starts at a frame meets the shape first, up to a distance.
+    fn meeting(
+        &self,
+        (parts, start): (&Parts<'_>, &Frame),
+        (direction, length): (DVec3, f64),
+        limit: f64,
+    ) -> Option<Contact> {
+        let direction = self.frame.unturn(direction);
+        parts.at(start).fold(None, |best: Option<Contact>, (core, start)| {
+            let moving = sweep::Moving { core, frame: self.frame.relative(&start), direction, length };
+            let within = best.map_or(limit, |best| lesser(best.distance, limit));
+            match sweep::cast(&self.solid, &moving, within) {
+                Some(found) => sweep::first(best, found),
+                None => best,
+            }
+        })
+    }
+
     /// A contact as it is told.
     fn hit(&self, contact: &Contact, from: Position, way: f64) -> Hit {
         Hit {
@@ -196,17 +227,15 @@ impl Query for ShapeCast {
 
     fn walk(&self, queries: &Queries<'_>, filter: &QueryFilter, mut visit: impl FnMut(Hit) -> f64) {
         let row = self.shape.row();
-        let Some(core) = Core::new(&solid(&row, &queries.assets)) else { return };
+        let Some(parts) = Parts::new(&solid(&row, &queries.assets)) else { return };
         let (from, start) = (self.shape.position, Frame::new(DVec3::ZERO, self.shape.rotation));
         let way = widened(self.translation);
         let length = length(way);
         let direction = way / length;
-        queries.along((from, direction, length), core.bounds(&start), |slot, limit| {
+        queries.along((from, direction, length), parts.bounds(&start), |slot, limit| {
             let Some(candidate) = queries.candidate(slot, filter, from) else { return limit };
-            let frame = candidate.frame.relative(&start);
-            let direction = candidate.frame.unturn(direction);
-            let moving = sweep::Moving { core, frame, direction, length };
-            let Some(contact) = sweep::cast(&candidate.solid, &moving, limit) else { return limit };
+            let met = candidate.meeting((&parts, &start), (direction, length), limit);
+            let Some(contact) = met else { return limit };
             let mut hit = candidate.hit(&contact, from, length);
             if contact.distance == 0.0 {
                 hit.point = from;
@@ -229,7 +258,7 @@ impl Query for Probe {
     }
 
     fn walk(&self, queries: &Queries<'_>, filter: &QueryFilter, mut visit: impl FnMut(ClosestPoint) -> f64) {
-        let place = (self.position, &Core::POINT, &Frame::IDENTITY);
+        let place = (self.position, &Parts::One(Core::POINT), &Frame::IDENTITY);
         let limit = f64::from(self.max_distance);
         queries.around(place, (filter, limit), |candidate, found| {
             let is_inside = found.distance == 0.0;
@@ -282,12 +311,12 @@ impl Query for Region {
             0.0
         };
         if let Region::Point(place) = *self {
-            queries.around((place, &Core::POINT, &Frame::IDENTITY), (filter, 0.0), take);
+            queries.around((place, &Parts::One(Core::POINT), &Frame::IDENTITY), (filter, 0.0), take);
         } else if let Some(shape) = self.shape() {
             let row = shape.row();
             let frame = Frame::new(DVec3::ZERO, shape.rotation);
-            if let Some(core) = Core::new(&solid(&row, &queries.assets)) {
-                queries.around((shape.position, &core, &frame), (filter, 0.0), &mut take);
+            if let Some(parts) = Parts::new(&solid(&row, &queries.assets)) {
+                queries.around((shape.position, &parts, &frame), (filter, 0.0), &mut take);
             }
         }
     }

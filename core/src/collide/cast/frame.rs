@@ -84,6 +84,11 @@ impl Frame {
         self.unturn(point - self.position)
     }
 
+    /// Where a frame that stands so in this one stands in the outer frame.
+    pub fn after(&self, inner: &Self) -> Self {
+        Self { position: self.transform(inner.position), axes: inner.axes.map(|axis| self.turn(axis)) }
+    }
+
     /// Where `other` stands in this frame, both given in the same outer frame.
     pub fn relative(&self, other: &Self) -> Self {
         Self { position: self.untransform(other.position), axes: other.axes.map(|axis| self.unturn(axis)) }

@@ -100,7 +100,7 @@ fn nearest_child(
 }
 
 /// The first of two, in order of distance and part.
-fn first(best: Option<Nearness>, found: Nearness) -> Option<Nearness> {
+pub(crate) fn first(best: Option<Nearness>, found: Nearness) -> Option<Nearness> {
     best.filter(|best| (best.distance, best.child) <= (found.distance, found.child)).or(Some(found))
 }
 

@@ -8,7 +8,7 @@
 //! Half-spaces, and convex shapes without a closed form here, are met by a point that moves ([`sweep`]).
 
 use super::frame::{Frame, length, widened};
-use super::{Contact, children, grid, sweep};
+use super::{Contact, axial, children, grid, sweep};
 use crate::collide::compound::Compound;
 use crate::collide::height_field::HeightField;
 use crate::collide::tree::search::Way;
@@ -32,7 +32,7 @@ impl Ray {
         Contact { distance: 0.0, normal: -self.direction, point: self.origin, child }
     }
 
-    fn contact(&self, distance: f64, normal: DVec3, child: u32) -> Option<Contact> {
+    pub(super) fn contact(&self, distance: f64, normal: DVec3, child: u32) -> Option<Contact> {
         let point = self.origin + self.direction * distance;
         (distance <= self.length).then_some(Contact { distance, normal, point, child })
     }
@@ -60,6 +60,10 @@ fn convex(solid: &Solid<'_>, ray: &Ray, limit: f64) -> Option<Contact> {
         Solid::Capsule { half_height, radius } => capsule(ray, f64::from(half_height), f64::from(radius)),
         Solid::Box { half_extents } => cuboid(ray, widened(half_extents)),
         Solid::Hull(hull) => polytope(ray, &hull),
+        Solid::Cylinder { half_height, radius } => {
+            axial::cylinder(ray, f64::from(half_height), f64::from(radius))
+        }
+        Solid::Cone { half_height, radius } => axial::cone(ray, f64::from(half_height), f64::from(radius)),
         _ => sweep::cast(solid, &sweep::Moving::point(ray), limit),
     }
 }

@@ -145,7 +145,7 @@ fn cast_compound(compound: &Compound<'_>, moving: &Moving<'_>, limit: f64) -> Op
 }
 
 /// The first of two contacts, in order of distance and part.
-fn first(best: Option<Contact>, found: Contact) -> Option<Contact> {
+pub(crate) fn first(best: Option<Contact>, found: Contact) -> Option<Contact> {
     best.filter(|best| (best.distance, best.child) <= (found.distance, found.child)).or(Some(found))
 }
 
