@@ -46,6 +46,13 @@ pub(crate) struct Header {
     pub joints: Marks,
     /// Limits, drives and frictions of all joints.
     pub joint_bounds: u32,
+    /// Bodies that sleep.
+    pub asleep: u32,
+    /// Rows of `asleep_pairs` and `asleep_contacts` in use.
+    pub asleep_pairs: u32,
+    pub asleep_contacts: u32,
+    /// 1 when some body has to wake, or what it touches.
+    pub wakes: u32,
     /// Zero.
     pub reserved: u32,
 }
@@ -150,6 +157,10 @@ region! {
         pairs: Pair = c.pairs as usize,
         /// Sorted by key, distinct.
         contacts: ContactRow = c.contacts as usize,
+        /// Pairs and contacts of bodies that sleep, with each other and with what rests; sorted as those awake. A
+        /// contact has no phase.
+        asleep_pairs: Pair = c.pairs as usize,
+        asleep_contacts: ContactRow = c.contacts as usize,
         ordering: OrderingRow = 1,
         /// Changes of the ordering near each body.
         dirt: u8 = c.bodies as usize,
@@ -564,6 +575,12 @@ region! {
         rows_before: ContactRow = c.contacts as usize,
         /// Index of each link in the step before, or `NEW`.
         contact_from: u32 = links_max(c),
+        /// Places of the contacts that woke in this step, ascending.
+        woken: u32 = c.contacts as usize,
+        /// Sets of bodies that are joined by links, by slot.
+        islands: u32 = c.bodies as usize,
+        /// What becomes of a body or of its island, by slot.
+        marks: u8 = c.bodies as usize,
         /// Bodies of the links that ended.
         lost: [u32; 2] = links_max(c),
         /// Index among the active bodies by slot; `u32::MAX` for none.

@@ -22,16 +22,16 @@ use bytemuck::Zeroable;
 const COLLIDE_PAIRS: usize = 64;
 
 /// Finds the contacts of the step. Says which began and ended. `moved` shapes are listed in the scratch: new and
-/// changed ones are among them.
+/// changed ones are among them. `woken` contacts are back from sleep, and listed too.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt, moved): (&AssetTables<'_>, f32, usize),
+    (assets, dt, moved, woken): (&AssetTables<'_>, f32, usize, usize),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
     let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
-    let change = contacts::merge(state, (cache, scratch), &yields, (crew, counts));
+    let change = contacts::merge(state, (cache, scratch), (&yields, woken), (crew, counts));
     for &slot in &scratch.moved[..moved] {
         state.shapes[slot as usize].flags &= !FRESH;
     }
