@@ -115,7 +115,8 @@ fn a_blow_wakes_in_the_step_in_which_it_strikes() {
             }
         }
         assert!(woke.is_some(), "the blow wakes the row");
-        let pushed: f32 = row.iter().map(|&body| world.center(body).expect("exists").to_f64()[0] as f32).sum();
+        let pushed: f32 =
+            row.iter().map(|&body| world.center(body).expect("exists").to_f64()[0] as f32).sum();
         (world.linear_velocity(ball).expect("exists").x, pushed)
     };
     let ((slept, way), (waked, other_way)) = (strike(true), strike(false));
@@ -127,9 +128,8 @@ fn a_blow_wakes_in_the_step_in_which_it_strikes() {
 fn what_loses_its_support_wakes() {
     for case in 0..3 {
         let mut world = sleepy(16);
-        let shelf = world
-            .create_body(&BodyDef::new(BodyKind::Static, Vec3::new(0.0, 0.0, 2.0)))
-            .expect("room");
+        let shelf =
+            world.create_body(&BodyDef::new(BodyKind::Static, Vec3::new(0.0, 0.0, 2.0))).expect("room");
         let plank = ShapeDef::new(Geometry::Box { half_extents: Vec3::new(2.0, 2.0, 0.1) });
         let plank = world.create_shape(shelf, &plank).expect("room");
         let body = box_at(&mut world, 0.0, 0.0, 2.6);
@@ -263,8 +263,7 @@ fn the_bits_are_the_same_with_any_executor_with_caches_or_without_and_after_rest
         slept += u32::from(report.asleep > before);
         woke += u32::from(report.asleep < before);
         before = report.asleep;
-        let sums =
-            [&plain, &dropped, &pooled, &shuffled, &restored].map(cellstep::World::checksum);
+        let sums = [&plain, &dropped, &pooled, &shuffled, &restored].map(cellstep::World::checksum);
         assert!(sums.iter().all(|sum| *sum == sums[0]), "step {step}: {sums:x?}");
     }
     assert!(slept >= 8 && woke >= 8, "{slept} {woke}");

@@ -59,7 +59,7 @@ pub(crate) fn wake(
     }
     state.header[0].wakes = 0;
     state.header[0].static_version += 1;
-    cache.header[0].moving_fits = 0;
+    (cache.header[0].moving_fits, cache.header[0].moving_listed) = (0, 0);
     cache.header[0].memos_fit = 0;
     place_woken(state, (assets, dt), (cache.header[0].sector, scratch));
     bring_pairs(state, scratch, counts);
@@ -399,7 +399,7 @@ pub(crate) fn fall(
     if falling > 0 && has_room(state, scratch.marks, links.contacts) {
         lay_down(state, scratch, links.contacts);
         state.header[0].static_version += 1;
-        cache.header[0].moving_fits = 0;
+        (cache.header[0].moving_fits, cache.header[0].moving_listed) = (0, 0);
     }
 }
 
