@@ -37,6 +37,8 @@ pub mod float_mode;
 #[allow(unsafe_code)]
 mod job;
 mod memory;
+#[cfg(feature = "scene")]
+pub mod mjcf;
 pub mod pool;
 #[cfg(feature = "scene")]
 pub mod scene;
