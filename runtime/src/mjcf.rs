@@ -22,8 +22,8 @@ mod vocabulary;
 mod walk;
 mod warning;
 
-pub use math::{Placement, Turn, Vector};
 pub use convert::Conversion;
+pub use math::{Placement, Turn, Vector};
 pub use model::*;
 pub use settings::Options;
 pub use warning::{Effect, Warning};

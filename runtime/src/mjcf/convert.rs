@@ -63,8 +63,11 @@ impl Model {
     fn check_links(&self) -> Result<(), SceneError> {
         let equalities = self.equalities.iter().filter(|equality| equality.active).count();
         let found = [("joints", self.joints.len()), ("equalities", equalities), ("ropes", self.ropes.len())];
-        let found: Vec<String> =
-            found.into_iter().filter(|found| found.1 > 0).map(|(what, count)| format!("{count} {what}")).collect();
+        let found: Vec<String> = found
+            .into_iter()
+            .filter(|found| found.1 > 0)
+            .map(|(what, count)| format!("{count} {what}"))
+            .collect();
         if found.is_empty() {
             return Ok(());
         }
@@ -80,7 +83,10 @@ impl Model {
         let first = colliding().next().map_or([0.0; 3], |geom| geom.friction);
         let count = |is: &dyn Fn(&Geom) -> bool| colliding().filter(|geom| is(geom)).count();
         let losses = [
-            ("geom/friction: of two geoms the geometric mean, not the larger", count(&|g| g.friction[0] != first[0])),
+            (
+                "geom/friction: of two geoms the geometric mean, not the larger",
+                count(&|g| g.friction[0] != first[0]),
+            ),
             ("geom/condim other than 3", count(&|g| g.condim != 3)),
             ("ellipsoid as a hull of 58 points", count(&|g| matches!(g.form, Form::Ellipsoid { .. }))),
             ("cylinder as a prism of 32 sides", count(&|g| matches!(g.form, Form::Cylinder { .. }))),
@@ -88,8 +94,12 @@ impl Model {
             ("actuator", self.actuators.len()),
         ];
         let found = losses.into_iter().filter(|loss| loss.1 > 0);
-        let warning = |(what, count): (&str, usize)| {
-            Warning { effect: Effect::Motion, what: what.to_string(), count, file: None, at: None }
+        let warning = |(what, count): (&str, usize)| Warning {
+            effect: Effect::Motion,
+            what: what.to_string(),
+            count,
+            file: None,
+            at: None,
         };
         found.map(warning).collect()
     }

@@ -1,7 +1,7 @@
 //! `<geom>`: form, place, mass and surface.
 
-use super::math::{Placement, Turn, direction, length, scaled, sub};
 use super::mass::volume;
+use super::math::{Placement, Turn, direction, length, scaled, sub};
 use super::mesh;
 use super::model::{Form, Geom, Mass};
 use super::tree::{Spot, shortened};

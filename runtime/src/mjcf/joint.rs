@@ -46,7 +46,8 @@ impl<'a> Walk<'a> {
             }
             freedoms += [1, 1, 3][kind];
             if freedoms > FREEDOMS_MAX {
-                let message = format!("more than {FREEDOMS_MAX} degrees of freedom of a body, expected fewer");
+                let message =
+                    format!("more than {FREEDOMS_MAX} degrees of freedom of a body, expected fewer");
                 return Err(values.error("type", message));
             }
             let motion = [Motion::Hinge, Motion::Slide, Motion::Ball][kind];
@@ -87,7 +88,8 @@ impl<'a> Walk<'a> {
         let compiler = &self.source(place).compiler;
         let unit = if motion == Motion::Slide { 1.0 } else { compiler.unit };
         let axis = values.numbers::<3>("axis")?.filter(|_| motion != Motion::Ball).unwrap_or([0.0, 0.0, 1.0]);
-        let axis = direction(axis).ok_or_else(|| values.error("axis", "nearly zero, expected a direction"))?;
+        let axis =
+            direction(axis).ok_or_else(|| values.error("axis", "nearly zero, expected a direction"))?;
         let reference = values.number("ref")?.unwrap_or(0.0) * unit;
         let rest = values.number("springref")?.unwrap_or(0.0) * unit;
         let range = values.limits(["limited", "range"], compiler.autolimits)?;

@@ -5,7 +5,7 @@ use super::settings::{Classes, Compiler, Options};
 use super::tree::{Files, Tree, folder_of, shortened};
 use super::values::Values;
 use super::vocabulary;
-use super::warning::Warnings;
+use super::warning::{Effect, Warning, Warnings};
 use crate::scene::{Limits, SceneError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,13 @@ impl Library {
 
     fn empty(root: Option<PathBuf>, limits: &Limits) -> Self {
         let files = Files::new(root, limits);
-        Self { files, limits: *limits, sources: Vec::new(), warnings: Warnings::default(), known: BTreeMap::new() }
+        Self {
+            files,
+            limits: *limits,
+            sources: Vec::new(),
+            warnings: Warnings::default(),
+            known: BTreeMap::new(),
+        }
     }
 
     /// Adds a model and those that it names; `open` are the files that are being read.
@@ -74,6 +80,14 @@ impl Library {
         let meshes = self.assets(&tree, "mesh")?;
         let models = self.assets(&tree, "model")?;
         let index = self.sources.len();
+        if self.sources.first().is_some_and(|first| first.options != options) {
+            // As in MuJoCo, those of the model that was opened hold for all.
+            let spot =
+                tree.with_tag(0, "option").next().map_or(tree.elements[0].spot, |i| tree.elements[i].spot);
+            let what = "option of a model that is attached and says otherwise".to_string();
+            let (file, at) = (self.files.shown(spot.file), Some(spot.at));
+            self.warnings.add(Warning { effect: Effect::Motion, what, count: 1, file, at });
+        }
         let mut named = BTreeMap::new();
         for (index, element) in tree.elements.iter().enumerate() {
             let tag = ["body", "frame"].into_iter().find(|tag| *tag == element.tag);
@@ -107,7 +121,8 @@ impl Library {
                     return Err(values.error("name", format!("a {tag} without a name, expected one")));
                 }
                 if assets.insert(name.clone(), element).is_some() {
-                    let message = format!("the name {:?} is used twice, expected each once", shortened(&name));
+                    let message =
+                        format!("the name {:?} is used twice, expected each once", shortened(&name));
                     return Err(values.error("name", message));
                 }
             }

@@ -73,8 +73,10 @@ impl<'a> Walk<'a> {
         };
         match self.names.resolve(&references, &mut self.work) {
             Ok(all) if total(&self.model) + all.len() <= LINKS_MAX => {
-                let thing = |things: &[Thing], place: &Option<usize>| place.map_or(Thing::Body(0), |i| things[i]);
-                let with_world = |things: Vec<Thing>| places.iter().map(|place| thing(&things, place)).collect();
+                let thing =
+                    |things: &[Thing], place: &Option<usize>| place.map_or(Thing::Body(0), |i| things[i]);
+                let with_world =
+                    |things: Vec<Thing>| places.iter().map(|place| thing(&things, place)).collect();
                 Ok(all.into_iter().map(with_world).collect())
             }
             Ok(_) | Err(Unresolved::TooMany) => {
@@ -83,7 +85,8 @@ impl<'a> Walk<'a> {
             Err(Unresolved::Unknown(_)) if link.attached => Ok(Vec::new()),
             Err(Unresolved::Unknown(index)) => {
                 let name = references[index].1;
-                let attribute = names.iter().find(|(_, attribute)| values.own().text(attribute) == Some(name));
+                let attribute =
+                    names.iter().find(|(_, attribute)| values.own().text(attribute) == Some(name));
                 let attribute = attribute.map_or("", |found| found.1);
                 let message = format!("nothing is named {:?}, expected something that is", shortened(name));
                 Err(values.error(attribute, message))
@@ -188,7 +191,8 @@ impl<'a> Walk<'a> {
         let spot = values.tree.elements[values.element].spot;
         let ends = &values.tree.elements[values.element].children;
         let sites = ends.iter().filter(|&&end| values.tree.elements[end].tag == "site");
-        let sites: Vec<&str> = sites.map(|&end| values.tree.elements[end].text("site").unwrap_or("")).collect();
+        let sites: Vec<&str> =
+            sites.map(|&end| values.tree.elements[end].text("site").unwrap_or("")).collect();
         let (&[a, b], 2) = (&sites[..], ends.len()) else {
             if !link.attached {
                 self.warn(Effect::Motion, "tendon/spatial with other than two sites", spot);
@@ -251,7 +255,9 @@ impl<'a> Walk<'a> {
         let name = self.full_name(values.name()?);
         for things in self.resolve(link, names)? {
             let transmission = match things[..] {
-                [Thing::Joint(joint, part)] if self.moves_along(joint, part) => Transmission::Joint(joint, part),
+                [Thing::Joint(joint, part)] if self.moves_along(joint, part) => {
+                    Transmission::Joint(joint, part)
+                }
                 [Thing::Site(_), Thing::Site(_)] => {
                     let (body, slider) = self.site_of(things[1]);
                     Transmission::SliderCrank { crank: self.point_of(things[0]), body, slider, rod }

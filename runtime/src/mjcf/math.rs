@@ -230,7 +230,8 @@ mod tests {
     #[test]
     fn columns_give_the_rotation_back() {
         for angle in [0.1, 1.0, 2.0, 3.0, 3.14159, 5.0] {
-            for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, -0.6, 0.8]] {
+            for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, -0.6, 0.8]]
+            {
                 let turn = Turn::about(axis, angle);
                 let again = Turn::from_columns(transposed(turn.matrix()));
                 let v = [0.3, -0.7, 2.0];

@@ -4,8 +4,8 @@
 //! replaced by that of its points farthest along 62 directions: it lies within. The mass is that of the mesh as
 //! it was given.
 
-use super::math::{Turn, Vector, dot, sub};
 use super::mass::enclosed;
+use super::math::{Turn, Vector, dot, sub};
 use super::model::Mesh;
 use super::tree::shortened;
 use super::values::Values;
@@ -50,7 +50,9 @@ pub(super) fn load(values: Values<'_>, folder: &str, limits: &Limits) -> Result<
         (Some(_), true) => return Err(values.error("file", "a file and `vertex`, expected one of them")),
         (Some(file), _) => of_file(values, folder, file, limits)?,
         (None, true) => of_text(values)?,
-        (None, false) => return Err(values.error("file", "a mesh without `file` and `vertex`, expected one of them")),
+        (None, false) => {
+            return Err(values.error("file", "a mesh without `file` and `vertex`, expected one of them"));
+        }
     };
     transform(values, &mut surface)?;
     let points: Vec<Vec3> = surface.points.iter().map(|p| Vec3::from(p.map(|x| x as f32))).collect();

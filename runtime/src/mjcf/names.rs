@@ -163,7 +163,12 @@ mod tests {
         let mut names = Names::default();
         for outer in 0..2 {
             for inner in 0..3 {
-                assert!(names.add(Kind::Body, "a", &levels(&[outer, inner]), Thing::Body(outer * 10 + inner)));
+                assert!(names.add(
+                    Kind::Body,
+                    "a",
+                    &levels(&[outer, inner]),
+                    Thing::Body(outer * 10 + inner)
+                ));
             }
             assert!(names.add(Kind::Body, "b", &levels(&[outer]), Thing::Body(100 + outer)));
         }
@@ -174,7 +179,11 @@ mod tests {
     fn numbers(names: &Names, references: &[&str]) -> Result<Vec<Vec<usize>>, Unresolved> {
         let references: Vec<_> = references.iter().map(|name| (Kind::Body, *name)).collect();
         let number = |thing| if let Thing::Body(number) = thing { number } else { usize::MAX };
-        Ok(names.resolve(&references, &mut WORK_MAX.clone())?.into_iter().map(|things| things.into_iter().map(number).collect()).collect())
+        Ok(names
+            .resolve(&references, &mut WORK_MAX.clone())?
+            .into_iter()
+            .map(|things| things.into_iter().map(number).collect())
+            .collect())
     }
 
     #[test]

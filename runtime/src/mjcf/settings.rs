@@ -76,7 +76,8 @@ impl Compiler {
 
     fn element(&mut self, values: Values<'_>) -> Result<(), SceneError> {
         if values.keyword("coordinate", &["local", "global"])? == Some(1) {
-            let message = "found \"global\", expected \"local\": save the model with MuJoCo 2.3.3, which converts it";
+            let message =
+                "found \"global\", expected \"local\": save the model with MuJoCo 2.3.3, which converts it";
             return Err(values.error("coordinate", message));
         }
         if let Some(index) = values.keyword("angle", &["radian", "degree"])? {
@@ -132,7 +133,9 @@ impl Compiler {
         let own = NAMES.into_iter().filter(|name| values.own().has(name));
         if own.clone().count() > 1 {
             let found: Vec<&str> = own.collect();
-            return Err(values.error(found[1], format!("found {}, expected one of them", found.join(" and "))));
+            return Err(
+                values.error(found[1], format!("found {}, expected one of them", found.join(" and ")))
+            );
         }
         // A class may have several: the more special ones go before the quaternion.
         let inherited = NAMES.into_iter().rev().find(|name| values.has(name));
@@ -192,10 +195,13 @@ impl Classes {
                 for inner in tree.with_tag(element, "default") {
                     let values = Values { files, tree, element: inner, defaults: None };
                     let Some(name) = values.text("class") else {
-                        return Err(values.error("class", "no `class`, expected one on a default within a default"));
+                        return Err(
+                            values.error("class", "no `class`, expected one on a default within a default")
+                        );
                     };
                     if classes.0.contains_key(name) || stack.iter().any(|known| known.1 == name) {
-                        let message = format!("the class {:?} is there already, expected each once", shortened(name));
+                        let message =
+                            format!("the class {:?} is there already, expected each once", shortened(name));
                         return Err(values.error("class", message));
                     }
                     stack.push((inner, name.to_string(), class.clone()));
@@ -203,7 +209,9 @@ impl Classes {
                 classes.0.insert(name, class);
                 if classes.0.len() + stack.len() > CLASSES_MAX {
                     let values = Values { files, tree, element, defaults: None };
-                    return Err(values.error("class", format!("more than {CLASSES_MAX} classes, expected fewer")));
+                    return Err(
+                        values.error("class", format!("more than {CLASSES_MAX} classes, expected fewer"))
+                    );
                 }
             }
         }
@@ -216,7 +224,8 @@ impl Classes {
         if self.0.contains_key(class) {
             return Ok(class.to_string());
         }
-        Err(values.error(name, format!("no default class is named {:?}, expected one that is", shortened(class))))
+        Err(values
+            .error(name, format!("no default class is named {:?}, expected one that is", shortened(class))))
     }
 
     /// What a class says of a kind of elements.

@@ -114,7 +114,8 @@ impl Scan<'_> {
             }
         }
         if attributes > ATTRIBUTES_MAX {
-            let message = format!("{attributes} attributes of one element, expected at most {ATTRIBUTES_MAX}");
+            let message =
+                format!("{attributes} attributes of one element, expected at most {ATTRIBUTES_MAX}");
             return Err(mistake(start, message));
         }
         if self.text[..self.at].ends_with(b"/>") {

@@ -86,7 +86,11 @@ impl Tree {
 
 /// A name as it is shown: not longer than a line.
 pub(super) fn shortened(name: &str) -> String {
-    if name.chars().count() <= 60 { name.to_string() } else { name.chars().take(57).collect::<String>() + "..." }
+    if name.chars().count() <= 60 {
+        name.to_string()
+    } else {
+        name.chars().take(57).collect::<String>() + "..."
+    }
 }
 
 /// Where models come from: a folder, and all files that were read below it.
@@ -101,6 +105,7 @@ pub(super) struct Files {
 
 impl Files {
     pub(super) fn new(root: Option<PathBuf>, limits: &Limits) -> Self {
+        let root = root.map(|root| if root.as_os_str().is_empty() { PathBuf::from(".") } else { root });
         let bytes_left = if limits.file_bytes < BYTES_MAX { limits.file_bytes } else { BYTES_MAX };
         Self { root, names: Vec::new(), bytes_left, elements_left: ELEMENTS_MAX }
     }
@@ -108,11 +113,13 @@ impl Files {
     /// The path below the root that `file` means when it is named in a file of folder `folder`; slashes between
     /// names. What is wrong with it otherwise.
     pub(super) fn resolve(&self, folder: &str, file: &str) -> Result<String, String> {
-        let said = format!("found {:?}", shortened(file));
-        let Some(root) = &self.root else { return Err(format!("{said}, expected no file: this model came from memory")) };
-        let expected = format!("expected a file below the model's folder {:?}", root.display().to_string());
+        let said = format!("{:?}", shortened(file));
+        let Some(root) = &self.root else {
+            return Err(format!("found {said}, expected no file: this model came from memory"));
+        };
+        let below = format!("a file below the model's folder {:?}", root.display().to_string());
         if file.is_empty() || file.starts_with('/') || file.contains(['\\', ':', '\0']) {
-            return Err(format!("{said}, {expected}, named relative to it with `/` between names"));
+            return Err(format!("found {said}, expected {below}, relative and with `/` between names"));
         }
         let mut names: Vec<&str> = Vec::new();
         let mut outside = false;
@@ -125,8 +132,10 @@ impl Files {
         }
         if outside {
             let there = root.join(folder).join(file).is_file();
-            let missing = if there { "" } else { ", which does not exist and" };
-            return Err(format!("{said}{missing} lies outside of where models may reach, {expected}: copy it there"));
+            let missing = if there { "" } else { "does not exist, and it " };
+            return Err(format!(
+                "{said} {missing}lies outside of where files are read, expected {below}: put it there"
+            ));
         }
         Ok(names.join("/"))
     }
@@ -164,7 +173,13 @@ impl Files {
     }
 
     /// An error at an element, or at one of its attributes.
-    pub(super) fn error(&self, tree: &Tree, element: usize, name: Option<&str>, problem: Problem) -> SceneError {
+    pub(super) fn error(
+        &self,
+        tree: &Tree,
+        element: usize,
+        name: Option<&str>,
+        problem: Problem,
+    ) -> SceneError {
         let found = &tree.elements[element];
         let attribute = found.attributes.iter().find(|attribute| Some(attribute.name.as_str()) == name);
         let path = tree.path(element);
@@ -267,8 +282,12 @@ impl Files {
             let at = error.pos();
             let said = error.to_string();
             // The place is told apart from the message; an end that is missing has none.
-            let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said).replace(&format!(" at {at}"), "");
-            let known = !matches!(error, roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode);
+            let said =
+                said.strip_suffix(&format!(" at {at}")).unwrap_or(&said).replace(&format!(" at {at}"), "");
+            let known = !matches!(
+                error,
+                roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode
+            );
             let at = if known { (at.row as usize, at.col as usize) } else { lines.at(bytes.len()) };
             fail(Some(at), format!("not XML: {said}"))
         })?;

@@ -282,7 +282,11 @@ mod tests {
                 continue;
             }
             for outer in word.within.split_ascii_whitespace() {
-                assert!(!LEFT_OUT.iter().any(|left| left.0 == word.tag && has(left.1, outer)), "{}", word.tag);
+                assert!(
+                    !LEFT_OUT.iter().any(|left| left.0 == word.tag && has(left.1, outer)),
+                    "{}",
+                    word.tag
+                );
             }
         }
     }

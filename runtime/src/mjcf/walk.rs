@@ -14,8 +14,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Most elements within each other, over attached models.
 const WALK_DEPTH_MAX: usize = DEPTH_MAX + 50;
-/// Most elements that are looked at, copies included.
-const VISITS_MAX: usize = 1 << 22;
+/// Elements that are looked at, copies included and some twice, for each body and each geom that is allowed.
+const VISITS_EACH: u64 = 16;
+/// Fewest and most elements that are looked at, whatever is allowed.
+const VISITS: [u64; 2] = [1 << 12, 1 << 22];
 /// Most replicates within each other.
 const LEVELS_MAX: usize = 8;
 /// Most characters of a separator, and of a prefix.
@@ -72,7 +74,8 @@ pub(super) struct Walk<'a> {
     levels: Vec<Level>,
     /// What comes before and after names.
     affixes: (String, String),
-    visits: usize,
+    visits: u64,
+    visits_max: u64,
     depth: usize,
     pub geoms: usize,
     /// Choices that references may still look at.
@@ -102,6 +105,8 @@ pub(super) fn walk(library: &Library) -> Result<Model, SceneError> {
         bodies: vec![world],
         ..Model::default()
     };
+    let limits = &library.limits;
+    let visits_max = limits.bodies.saturating_add(limits.shapes).saturating_mul(VISITS_EACH);
     let mut walk = Walk {
         library,
         model,
@@ -115,6 +120,7 @@ pub(super) fn walk(library: &Library) -> Result<Model, SceneError> {
         levels: Vec::new(),
         affixes: (String::new(), String::new()),
         visits: 0,
+        visits_max: visits_max.clamp(VISITS[0], VISITS[1]),
         depth: 0,
         geoms: 0,
         work: WORK_MAX,
@@ -171,7 +177,8 @@ impl<'a> Walk<'a> {
         if name.is_empty() || self.names.add(kind, name, &self.levels, thing) {
             return Ok(());
         }
-        let message = format!("the name {:?} is used twice, expected each once", shortened(&self.full_name(name)));
+        let message =
+            format!("the name {:?} is used twice, expected each once", shortened(&self.full_name(name)));
         Err(values.error("name", message))
     }
 
@@ -204,7 +211,9 @@ impl<'a> Walk<'a> {
                 "site" => self.site(place, child)?,
                 "joint" | "freejoint" | "inertial" if !place.in_body => {
                     let values = self.values(place, child, None)?;
-                    return Err(values.error("", format!("a `{tag}` outside of a body, expected it within one")));
+                    return Err(
+                        values.error("", format!("a `{tag}` outside of a body, expected it within one"))
+                    );
                 }
                 // Read with their body, or told of already.
                 _ => {}
@@ -216,8 +225,8 @@ impl<'a> Walk<'a> {
 
     pub(super) fn visit(&mut self, values: &Values<'_>) -> Result<(), SceneError> {
         self.visits += 1;
-        if self.visits > VISITS_MAX {
-            return Err(Self::too_large(values, "elements and copies", VISITS_MAX as u64));
+        if self.visits > self.visits_max {
+            return Err(Self::too_large(values, "elements and copies", self.visits_max));
         }
         Ok(())
     }
@@ -241,11 +250,13 @@ impl<'a> Walk<'a> {
             Some(count) => return Err(values.error("count", format!("found {count}, expected 0 or more"))),
             None => return Err(values.error("count", "no `count`, expected the number of copies")),
         };
-        if count > VISITS_MAX {
-            return Err(Self::too_large(&values, "copies", VISITS_MAX as u64));
+        if count as u64 > self.visits_max {
+            return Err(Self::too_large(&values, "copies", self.visits_max));
         }
         if self.levels.len() >= LEVELS_MAX {
-            return Err(values.error("count", format!("expected at most {LEVELS_MAX} replicates within each other")));
+            return Err(
+                values.error("count", format!("expected at most {LEVELS_MAX} replicates within each other"))
+            );
         }
         let offset = values.numbers::<3>("offset")?.unwrap_or([0.0; 3]);
         let euler = values.numbers::<3>("euler")?.unwrap_or([0.0; 3]);
@@ -281,7 +292,8 @@ impl<'a> Walk<'a> {
         let source = match values.text("model") {
             None => place.source,
             Some(name) => *self.source(place).models.get(name).ok_or_else(|| {
-                let message = format!("no <model> of <asset> is named {:?}, expected one that is", shortened(name));
+                let message =
+                    format!("no <model> of <asset> is named {:?}, expected one that is", shortened(name));
                 values.error("model", message)
             })?,
         };
@@ -304,7 +316,8 @@ impl<'a> Walk<'a> {
         self.levels = levels;
         self.affixes.0 = outer_prefix;
         self.names.attach(attached, prefix, &self.levels).map_err(|name| {
-            values.error("prefix", format!("the name {:?} is used twice, expected each once", shortened(&name)))
+            values
+                .error("prefix", format!("the name {:?} is used twice, expected each once", shortened(&name)))
         })
     }
 
@@ -319,11 +332,14 @@ impl<'a> Walk<'a> {
             if values.has("model") {
                 return Ok(None);
             }
-            return Err(values.error("body", "neither `model` nor `body` nor `frame`, expected what to attach"));
+            return Err(
+                values.error("body", "neither `model` nor `body` nor `frame`, expected what to attach")
+            );
         };
         let tree = &self.source(inner).tree;
         let Some(&root) = self.source(inner).named.get(&(tag, name.to_string())) else {
-            let message = format!("no {tag} of the model is named {:?}, expected one that is", shortened(name));
+            let message =
+                format!("no {tag} of the model is named {:?}, expected one that is", shortened(name));
             return Err(values.error(tag, message));
         };
         let mut up = tree.elements[root].parent;
@@ -377,7 +393,10 @@ impl<'a> Walk<'a> {
             body.kind = BodyKind::Mocap;
             body.gravity_compensation = compensation;
         } else if compensation != self.model.bodies[rigid].gravity_compensation && rigid != 0 {
-            let spot = Spot { file: values.tree.elements[element].spot.file, at: values.tree.elements[element].spot.at };
+            let spot = Spot {
+                file: values.tree.elements[element].spot.file,
+                at: values.tree.elements[element].spot.at,
+            };
             self.warn(Effect::Motion, "body/gravcomp of a part of a rigid body", spot);
         }
         let inner = Place {
