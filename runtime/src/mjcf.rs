@@ -22,6 +22,9 @@ mod vocabulary;
 mod walk;
 mod warning;
 
+#[cfg(test)]
+mod tests;
+
 pub use convert::Conversion;
 pub use math::{Placement, Turn, Vector};
 pub use model::*;

@@ -84,8 +84,9 @@ pub struct SceneArgs {
 }
 
 const IMPORT_HELP: &str = "\
-What the model says and a scene does not have is told on standard error, one line for each kind of element or
-attribute. Files that the model names must lie below its folder.
+What the model says and a scene does not have is told on standard error: a warning for each kind of element or
+attribute that changes how bodies move, notes for the others. Files that the model names must lie below its
+folder.
 
 Examples:
   cellstep import model.xml -o model.json

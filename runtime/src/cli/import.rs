@@ -29,17 +29,23 @@ pub fn scene(file: &Path) -> Result<Scene, String> {
     Ok(conversion.scene)
 }
 
-/// A line for each warning; what changes no motion is in one line together.
+/// A line for each warning; what every model has and no scene needs is in one line of each kind.
 fn lines(warnings: &[Warning]) -> String {
-    let idle = |warning: &&Warning| warning.effect == Effect::Nothing;
     let mut text = String::new();
-    for warning in warnings.iter().filter(|warning| !idle(warning)) {
+    for warning in
+        warnings.iter().filter(|warning| matches!(warning.effect, Effect::Motion | Effect::Unknown))
+    {
         text += &format!("warning: {warning}\n");
     }
-    let names = warnings.iter().filter(idle).map(|warning| format!("{} ({})", warning.what, warning.count));
-    let names: Vec<String> = names.collect();
-    if !names.is_empty() {
-        text += &format!("note: ignored, without effect on motion: {}\n", names.join(", "));
+    for (effect, said) in
+        [(Effect::Solver, "of MuJoCo's solver"), (Effect::Nothing, "without effect on motion")]
+    {
+        let names = warnings.iter().filter(|warning| warning.effect == effect);
+        let names: Vec<String> =
+            names.map(|warning| format!("{} ({})", warning.what, warning.count)).collect();
+        if !names.is_empty() {
+            text += &format!("note: ignored, {said}: {}\n", names.join(", "));
+        }
     }
     text
 }

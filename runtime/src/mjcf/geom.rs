@@ -153,7 +153,7 @@ impl Walk<'_> {
         }
         let outermost = Place { class: super::settings::Classes::outermost(), ..place.clone() };
         let values = self.values(&outermost, element, Some("mesh"))?;
-        let loaded = mesh::load(values, &source.mesh_folder, &self.library.limits)?;
+        let loaded = mesh::load(values, source, &self.library.limits)?;
         self.mesh_points += loaded.points;
         if self.mesh_points > MESH_PARTS_MAX {
             return Err(Self::too_large(&values, "points of meshes", MESH_PARTS_MAX as u64));

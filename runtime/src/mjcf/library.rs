@@ -2,11 +2,11 @@
 
 use super::mesh;
 use super::settings::{Classes, Compiler, Options};
-use super::tree::{Files, Tree, folder_of, shortened};
+use super::tree::{BYTES_MAX, Files, Tree, folder_of, shortened};
 use super::values::Values;
 use super::vocabulary;
 use super::warning::{Effect, Warning, Warnings};
-use crate::scene::{Limits, SceneError};
+use crate::scene::{Limits, Problem, SceneError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(super) struct Source {
     pub options: Options,
     /// Folder of its meshes, below that of the model that was opened.
     pub mesh_folder: String,
-    /// Elements of `<asset>` by name.
+    /// Elements `<mesh>` by name.
     pub meshes: BTreeMap<String, usize>,
     /// Indices of other sources by name.
     pub models: BTreeMap<String, usize>,
@@ -52,6 +52,11 @@ impl Library {
 
     /// Takes a model from memory, which can name no files.
     pub(super) fn of_text(text: &[u8], limits: &Limits) -> Result<Self, SceneError> {
+        let asked = text.len() as u64;
+        if asked > limits.file_bytes.min(BYTES_MAX) {
+            let problem = Problem::TooLarge { what: "bytes", asked, limit: limits.file_bytes.min(BYTES_MAX) };
+            return Err(SceneError { file: None, at: None, path: String::new(), problem });
+        }
         let mut library = Self::empty(None, limits);
         library.files.names.push(PathBuf::new());
         let tree = library.files.parse(text, "")?;

@@ -15,6 +15,9 @@ use crate::scene::SceneError;
 /// Most links of each kind: more than bodies.
 const LINKS_MAX: usize = 1 << 20;
 
+/// A body and a frame in it.
+type Framed = (usize, Placement);
+
 /// Attributes of one element, and whether its model is an attached one.
 struct Link<'a> {
     values: Values<'a>,
@@ -95,12 +98,12 @@ impl<'a> Walk<'a> {
     }
 
     /// The rigid body of a `<body>`, and its frame in it.
-    fn rigid_of(&self, thing: Thing) -> (usize, Placement) {
+    fn rigid_of(&self, thing: Thing) -> Framed {
         let Thing::Body(part) = thing else { return (0, Placement::IDENTITY) };
         (self.parts[part].rigid, self.parts[part].frame)
     }
 
-    fn site_of(&self, thing: Thing) -> (usize, Placement) {
+    fn site_of(&self, thing: Thing) -> Framed {
         let Thing::Site(site) = thing else { return (0, Placement::IDENTITY) };
         self.sites[site]
     }
@@ -111,7 +114,7 @@ impl<'a> Walk<'a> {
     }
 
     /// A place in a body, in the world.
-    fn in_world(&self, (body, placement): (usize, Placement)) -> Placement {
+    fn in_world(&self, (body, placement): Framed) -> Placement {
         self.model.bodies[body].placement.after(&placement)
     }
 
@@ -158,12 +161,12 @@ impl<'a> Walk<'a> {
         values: &Values<'_>,
         weld: bool,
         things: [Thing; 2],
-    ) -> Result<((usize, Placement), (usize, Placement)), SceneError> {
+    ) -> Result<(Framed, Framed), SceneError> {
         let [first, second] = things.map(|thing| self.rigid_of(thing));
         let anchor = values.own().numbers::<3>("anchor")?;
         let at = |position| Placement::new(position, Turn::IDENTITY);
         // The other frame is where the first is in the beginning.
-        let meet = |frame: (usize, Placement), other: usize| {
+        let meet = |frame: Framed, other: usize| {
             (other, self.model.bodies[other].placement.inverse().after(&self.in_world(frame)))
         };
         if !weld {

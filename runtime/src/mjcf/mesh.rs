@@ -4,6 +4,7 @@
 //! replaced by that of its points farthest along 62 directions: it lies within. The mass is that of the mesh as
 //! it was given.
 
+use super::library::Source;
 use super::mass::enclosed;
 use super::math::{Turn, Vector, dot, sub};
 use super::model::Mesh;
@@ -44,9 +45,13 @@ pub(super) fn name<'a>(values: &Values<'a>) -> Result<&'a str, SceneError> {
     }))
 }
 
-/// Reads a mesh. `folder` is where its file is looked for, below the model's.
-pub(super) fn load(values: Values<'_>, folder: &str, limits: &Limits) -> Result<Loaded, SceneError> {
-    let mut surface = match (values.own().text("file"), values.own().has("vertex")) {
+/// Reads a mesh of a source.
+pub(super) fn load(values: Values<'_>, source: &Source, limits: &Limits) -> Result<Loaded, SceneError> {
+    let folder = source.mesh_folder.as_str();
+    let file = values.own().text("file");
+    let bare = |file: &'_ str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_string();
+    let stripped = file.filter(|_| source.compiler.strip_path).map(bare);
+    let mut surface = match (stripped.as_deref().or(file), values.own().has("vertex")) {
         (Some(_), true) => return Err(values.error("file", "a file and `vertex`, expected one of them")),
         (Some(file), _) => of_file(values, folder, file, limits)?,
         (None, true) => of_text(values)?,
@@ -60,7 +65,9 @@ pub(super) fn load(values: Values<'_>, folder: &str, limits: &Limits) -> Result<
         Err(HullError::TooManyVertices) => (hull::build(&farthest(&points)), true),
         other => (other, false),
     };
-    let tables = tables.map_err(|error| values.error("vertex", format!("the mesh has no hull: {error}")))?;
+    let tables = tables.map_err(|error| {
+        values.error("vertex", format!("the mesh has no hull ({error}), expected a solid"))
+    })?;
     let convex = ["convex", "legacy", "exact", "shell"];
     let kind = values.keyword("inertia", &convex)?.unwrap_or(1);
     if kind == 3 {

@@ -78,7 +78,8 @@ impl Names {
         true
     }
 
-    /// The things of an attached model, under a prefix. The first full name that is taken, otherwise.
+    /// The things of an attached model, under a prefix. The first name that is taken, without the copies' numbers,
+    /// otherwise.
     pub(super) fn attach(&mut self, inner: Self, prefix: &str, levels: &[Level]) -> Result<(), String> {
         for ((kind, name), choices) in inner.0 {
             let Some(&thing) = choices.get(&[][..]) else { continue };
@@ -216,7 +217,7 @@ mod tests {
         }
         assert_eq!(numbers(&outer, &["p_c"]).unwrap().len(), 2);
         assert_eq!(numbers(&outer, &["p_a-2-1-0"]).unwrap(), [[12]]);
-        assert_eq!(outer.attach(names(), "p_", &levels(&[1])).unwrap_err(), "p_a-0-0-1");
+        assert_eq!(outer.attach(names(), "p_", &levels(&[1])).unwrap_err(), "p_a-0-0");
     }
 
     #[test]

@@ -139,7 +139,7 @@ impl Compiler {
         }
         // A class may have several: the more special ones go before the quaternion.
         let inherited = NAMES.into_iter().rev().find(|name| values.has(name));
-        let Some(name) = own.last().or(inherited) else { return Ok(Turn::IDENTITY) };
+        let Some(name) = own.clone().next().or(inherited) else { return Ok(Turn::IDENTITY) };
         let zero = || values.error(name, "nearly zero, expected a direction");
         match name {
             "quat" => Turn::from_wxyz(values.numbers(name)?.unwrap_or([1.0, 0.0, 0.0, 0.0])).ok_or_else(zero),

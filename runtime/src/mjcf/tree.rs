@@ -105,7 +105,6 @@ pub(super) struct Files {
 
 impl Files {
     pub(super) fn new(root: Option<PathBuf>, limits: &Limits) -> Self {
-        let root = root.map(|root| if root.as_os_str().is_empty() { PathBuf::from(".") } else { root });
         let bytes_left = if limits.file_bytes < BYTES_MAX { limits.file_bytes } else { BYTES_MAX };
         Self { root, names: Vec::new(), bytes_left, elements_left: ELEMENTS_MAX }
     }
@@ -117,7 +116,8 @@ impl Files {
         let Some(root) = &self.root else {
             return Err(format!("found {said}, expected no file: this model came from memory"));
         };
-        let below = format!("a file below the model's folder {:?}", root.display().to_string());
+        let shown = if root.as_os_str().is_empty() { ".".to_string() } else { root.display().to_string() };
+        let below = format!("a file below the model's folder {shown:?}");
         if file.is_empty() || file.starts_with('/') || file.contains(['\\', ':', '\0']) {
             return Err(format!("found {said}, expected {below}, relative and with `/` between names"));
         }

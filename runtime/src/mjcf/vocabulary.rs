@@ -43,7 +43,6 @@ const WORDS: &[Word] = &[
                  o_solimp o_friction integrator cone jacobian solver iterations ls_iterations noslip_iterations \
                  ccd_iterations mpr_iterations mpr_tolerance sdf_iterations sdf_initpoints apirate collision",
         nothing: "magnetic actuatorgroupdisable",
-        ..NONE
     },
     Word {
         tag: "flag",
@@ -52,7 +51,6 @@ const WORDS: &[Word] = &[
         motion: "clampctrl override",
         solver: "warmstart refsafe midphase eulerdamp nativeccd island multiccd sleep diagexact",
         nothing: "sensor autoreset energy fwdinv invdiscrete",
-        ..NONE
     },
     Word { tag: "asset", within: "mujoco", ..NONE },
     Word {
@@ -63,7 +61,6 @@ const WORDS: &[Word] = &[
         // Hulls have at most 64 corners here.
         solver: "maxhullvert",
         nothing: "normal texcoord smoothnormal material",
-        ..NONE
     },
     Word { tag: "model", within: "asset", read: "name file content_type", ..NONE },
     Word { tag: "default", within: "mujoco default", read: "class", ..NONE },
@@ -96,14 +93,13 @@ const WORDS: &[Word] = &[
         motion: "springdamper actuatorfrclimited actuatorfrcrange actuatorgravcomp",
         solver: "solreflimit solimplimit solreffriction solimpfriction margin",
         nothing: "group user",
-        ..NONE
     },
     Word { tag: "freejoint", within: "body frame", read: "name", nothing: "group align", ..NONE },
     Word {
         tag: "geom",
         within: "worldbody body frame replicate default",
-        read: "name class type contype conaffinity condim group size friction mass density fromto pos quat axisangle \
-               xyaxes zaxis euler mesh",
+        read: "name class type contype conaffinity condim group size friction mass density fromto pos quat \
+               axisangle xyaxes zaxis euler mesh",
         motion: "priority shellinertia margin gap surfacevel adhesion hfield fitscale fluidshape fluidcoef",
         // Of `solref` only the damping is read.
         solver: "solmix solref solimp",
@@ -142,7 +138,6 @@ const WORDS: &[Word] = &[
         motion: "actuatorfrclimited actuatorfrcrange armature",
         solver: "solreflimit solimplimit solreffriction solimpfriction margin",
         nothing: "group width material rgba user",
-        ..NONE
     },
     Word {
         tag: "tendon",
@@ -151,7 +146,6 @@ const WORDS: &[Word] = &[
         motion: "actuatorfrclimited actuatorfrcrange armature",
         solver: "solreflimit solimplimit solreffriction solimpfriction margin",
         nothing: "group width material rgba user",
-        ..NONE
     },
     Word { tag: "site", within: "spatial", read: "site", ..NONE },
     Word { tag: "actuator", within: "mujoco", ..NONE },
@@ -159,8 +153,8 @@ const WORDS: &[Word] = &[
     Word {
         tag: "position",
         within: "actuator default",
-        read: "name class ctrllimited ctrlrange forcelimited forcerange gear joint slidersite cranksite cranklength \
-               kp kv",
+        read: "name class ctrllimited ctrlrange forcelimited forcerange gear joint slidersite cranksite \
+               cranklength kp kv",
         motion: "jointinparent tendon site refsite damping armature timeconst dampratio inheritrange delay",
         nothing: IDLE,
         ..NONE
@@ -168,8 +162,8 @@ const WORDS: &[Word] = &[
     Word {
         tag: "velocity",
         within: "actuator default",
-        read: "name class ctrllimited ctrlrange forcelimited forcerange gear joint slidersite cranksite cranklength \
-               kv",
+        read: "name class ctrllimited ctrlrange forcelimited forcerange gear joint slidersite cranksite \
+               cranklength kv",
         motion: DRIVE,
         nothing: IDLE,
         ..NONE
