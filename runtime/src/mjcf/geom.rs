@@ -22,6 +22,9 @@ const TYPES: [&str; 9] =
 /// `fromto`: the middle of the segment with z along it, and half its length.
 pub(super) fn ends(values: &Values<'_>) -> Result<Option<(Placement, f64)>, SceneError> {
     let Some([a, b, c, d, e, f]) = values.numbers::<6>("fromto")? else { return Ok(None) };
+    if values.numbers::<3>("pos")?.is_some_and(|position| position != [0.0; 3]) {
+        return Err(values.error("fromto", "and `pos` besides, expected one of them"));
+    }
     let (from, to) = ([a, b, c], [d, e, f]);
     // As in MuJoCo, z points from the second end to the first.
     let along = sub(from, to);

@@ -49,6 +49,7 @@ fn numbers() {
     world(r#"<geom size="1" mass="-1"/>"#, 16, "expected a number that is not negative");
     world(r#"<geom size="1" fromto="0 0 0 0 0 1"/>"#, 16, "on a sphere, expected it on a capsule");
     world(r#"<geom type="capsule" size="1" fromto="0 0 0 0 0 0"/>"#, 31, "two ends at one place");
+    world(r#"<geom type="capsule" size="1" fromto="0 0 0 0 0 1" pos="0 0 1"/>"#, 31, "expected one of them");
     world(r#"<geom size="1" class="c"/>"#, 16, r#"no default class is named "c""#);
     world(r#"<geom type="mesh" mesh="m"/>"#, 19, r#"no mesh of <asset> is named "m""#);
 }
