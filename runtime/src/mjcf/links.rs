@@ -46,7 +46,7 @@ impl<'a> Walk<'a> {
                     match kind {
                         "exclude" => self.exclude(&link)?,
                         "equality" => self.equality(&link)?,
-                        "tendon" => self.tendon(&link)?,
+                        "tendon" => self.tendon(&link, source)?,
                         _ => self.actuator(&link, source)?,
                     }
                 }
@@ -189,17 +189,14 @@ impl<'a> Walk<'a> {
         })
     }
 
-    fn tendon(&mut self, link: &Link<'_>) -> Result<(), SceneError> {
+    fn tendon(&mut self, link: &Link<'_>, source: usize) -> Result<(), SceneError> {
         let values = link.values;
-        let spot = values.tree.elements[values.element].spot;
         let ends = &values.tree.elements[values.element].children;
         let sites = ends.iter().filter(|&&end| values.tree.elements[end].tag == "site");
         let sites: Vec<&str> =
             sites.map(|&end| values.tree.elements[end].text("site").unwrap_or("")).collect();
         let (&[a, b], 2) = (&sites[..], ends.len()) else {
-            if !link.attached {
-                self.warn(Effect::Motion, "tendon/spatial with other than two sites", spot);
-            }
+            // Told of with the words of its file.
             return Ok(());
         };
         let end = |index: usize| Link { values: Values { element: ends[index], ..values }, ..*link };
@@ -213,7 +210,7 @@ impl<'a> Walk<'a> {
                 return Err(Self::too_large(&values, "references to copies", LINKS_MAX as u64));
             }
         };
-        let compiler = &self.library.sources[0].compiler;
+        let compiler = &self.library.sources[source].compiler;
         let range = values.limits(["limited", "range"], compiler.autolimits)?;
         let stiffness = self.first(&values, "stiffness")?;
         let damping = self.first(&values, "damping")?;

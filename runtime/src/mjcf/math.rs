@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn columns_give_the_rotation_back() {
-        for angle in [0.1, 1.0, 2.0, 3.0, 3.14, 5.0] {
+        for angle in [0.1, 1.0, 2.0, 3.0, PI, 5.0] {
             for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, -0.6, 0.8]]
             {
                 let turn = Turn::about(axis, angle);

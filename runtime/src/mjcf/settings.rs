@@ -182,9 +182,16 @@ impl Classes {
         let mut classes = Self::default();
         classes.0.insert(MAIN.to_string(), Class::default());
         for section in tree.with_tag(0, "default") {
-            let name = tree.elements[section].text("class").unwrap_or(MAIN).to_string();
-            let outer = classes.0.get(&name).or(classes.0.get(MAIN)).cloned().unwrap_or_default();
-            let mut stack = vec![(section, name, outer)];
+            if let Some(name) = tree.elements[section].text("class").filter(|name| *name != MAIN) {
+                let values = Values { files, tree, element: section, defaults: None };
+                let message = format!(
+                    "found {:?}, expected {MAIN:?} or nothing on an outermost default",
+                    shortened(name)
+                );
+                return Err(values.error("class", message));
+            }
+            let outer = classes.0.get(MAIN).cloned().unwrap_or_default();
+            let mut stack = vec![(section, MAIN.to_string(), outer)];
             while let Some((element, name, mut class)) = stack.pop() {
                 class.add(tree, element);
                 if class.kinds.values().map(Defaults::len).sum::<usize>() > CLASS_ATTRIBUTES_MAX {

@@ -20,7 +20,7 @@ pub(super) const BYTES_MAX: u64 = 64 << 20;
 pub(super) type At = (usize, usize);
 
 /// A place in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Spot {
     /// Index into [`Files::names`].
     pub file: usize,

@@ -241,6 +241,10 @@ pub(super) fn check(tree: &Tree, files: &Files, warnings: &mut Warnings) {
             warn(Effect::Unknown, super::tree::shortened(&place), element.spot);
             continue;
         };
+        let sites = tree.with_tag(index, "site").count();
+        if tag == "spatial" && (sites, element.children.len()) != (2, 2) {
+            warn(Effect::Motion, "tendon/spatial with other than two sites".to_string(), element.spot);
+        }
         for attribute in &element.attributes {
             let name = attribute.name.as_str();
             let effect = match () {

@@ -81,6 +81,7 @@ pub(super) struct Walk<'a> {
     /// Choices that references may still look at.
     pub work: usize,
     warnings: Warnings,
+    warned: BTreeSet<(String, Spot)>,
     /// Names of meshes that are loaded.
     pub mesh_names: BTreeSet<String>,
 }
@@ -125,6 +126,7 @@ pub(super) fn walk(library: &Library) -> Result<Model, SceneError> {
         geoms: 0,
         work: WORK_MAX,
         warnings: library.warnings.clone(),
+        warned: BTreeSet::new(),
         mesh_names: BTreeSet::new(),
     };
     walk.world(&walk.outermost(0, 0, Placement::IDENTITY))?;
@@ -155,7 +157,11 @@ impl<'a> Walk<'a> {
         Ok(Values { defaults: source.classes.defaults(&class, kind), ..values })
     }
 
+    /// Adds a warning, once for each place in the files.
     pub(super) fn warn(&mut self, effect: Effect, what: impl ToString, spot: Spot) {
+        if !self.warned.insert((what.to_string(), spot)) {
+            return;
+        }
         let file = self.library.files.shown(spot.file);
         self.warnings.add(Warning { effect, what: what.to_string(), count: 1, file, at: Some(spot.at) });
     }

@@ -119,6 +119,7 @@ fn links() {
     );
     sections(r#"<actuator><motor joint="q"/></actuator>"#, 18, r#"nothing is named "q""#);
     sections(r#"<actuator><motor joint="j" ctrlrange="1"/></actuator>"#, 28, "found 1 numbers, expected 2");
+    sections(r#"<default class="a"/>"#, 10, "on an outermost default");
     sections(r#"<default><default/></default>"#, 10, "no `class`");
     sections(r#"<default><default class="a"/><default class="a"/></default>"#, 39, "is there already");
     sections(r#"<compiler angle="grad"/>"#, 11, r#"found "grad", expected one of radian, degree"#);

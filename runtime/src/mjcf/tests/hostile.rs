@@ -80,7 +80,7 @@ fn sizes() {
     let told = read(&format!("<mujoco>{words}</mujoco>")).warnings;
     assert_eq!((told.len(), told[1000].what.as_str(), told[1000].count), (1001, "others", 4000));
     let nested: String = (0..100).map(|i| format!("<default class='c{i}'><geom mass='1'/>")).collect();
-    let classes = format!("<mujoco>{nested}{}</mujoco>", "</default>".repeat(100));
+    let classes = format!("<mujoco><default>{nested}{}</mujoco>", "</default>".repeat(101));
     assert!(try_read(&classes).is_ok());
 }
 
