@@ -3,11 +3,11 @@
 //! ```text
 //! files --> Library (trees, classes) --> Model (rigid bodies, joints, ...) --> Scene
 //!           text, tree, vocabulary,      walk, geom, joint, mass, mesh,        convert
-//!           settings, library            names, links
+//!           settings, library            weigh, names, links
 //! ```
 //! A [`Model`] says everything that the files say of bodies, in world and body frames, with no names to look up:
 //! includes, default classes, frames, replicates and attached models are resolved, every rule of MuJoCo's compiler
-//! that bears on bodies is applied (masses and inertias from geoms, angles, limits, what is welded to what).
+//! that bears on bodies is applied (masses from geoms, angles, limits, what is welded to what).
 //! What it does not hold is in [`Model::warnings`], one for each kind of element or attribute.
 //!
 //! # What is read
@@ -16,8 +16,8 @@
 //! - `mesh` from OBJ files or vertices, as convex hulls; `model` and `attach` by body, by frame or whole.
 //! - `body`, `frame`, `replicate`, `inertial`; `geom` (plane, sphere, capsule, cylinder, box, ellipsoid, mesh),
 //!   `site`; `joint` (hinge, slide, ball, free; several of a body), `freejoint`.
-//! - `connect`, `weld`, `exclude`; `spatial` tendons between two sites; `motor`, `position` and `velocity` actuators
-//!   on hinges, slides and slider-cranks.
+//! - `connect`, `weld`, `exclude`; `spatial` tendons between two sites; `motor`, `position` and `velocity`
+//!   actuators on hinges, slides and slider-cranks.
 //!
 //! Contacts in MuJoCo are springs by `solref`; of these only the damping is read, as [`Geom::restitution`]: a
 //! spring with the damping ratio `z` gives back the share `exp(-pi z / sqrt(1 - z^2))` of a speed.
@@ -67,6 +67,7 @@ mod values;
 mod vocabulary;
 mod walk;
 mod warning;
+mod weigh;
 
 #[cfg(test)]
 mod tests;
