@@ -25,7 +25,7 @@
 //!
 //! # Features
 //!
-//! - `scene`: `scene` documents in JSON, meshes from OBJ files, built-in scenes.
+//! - `scene`: `scene` documents in JSON, meshes from OBJ files, built-in scenes; `mjcf`: models in MuJoCo's format.
 //! - `cli`: the command `cellstep`; implies `scene`.
 //!
 //! No feature changes any result.
@@ -37,6 +37,8 @@ pub mod float_mode;
 #[allow(unsafe_code)]
 mod job;
 mod memory;
+#[cfg(feature = "scene")]
+pub mod mjcf;
 pub mod pool;
 #[cfg(feature = "scene")]
 pub mod scene;
