@@ -336,8 +336,15 @@ pub(crate) struct Reach {
     pub body: u32,
     /// Greatest corner.
     pub max: Vec3,
-    /// 1 when the body is in the trees' sector.
-    pub is_home: u32,
+    /// `Reach::HOME`, `Reach::DYNAMIC`.
+    pub flags: u32,
+}
+
+impl Reach {
+    /// The body is in the trees' sector.
+    pub const HOME: u32 = 1;
+    /// The body is dynamic.
+    pub const DYNAMIC: u32 = 2;
 }
 
 /// What a contact is in this step.

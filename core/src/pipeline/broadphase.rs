@@ -90,8 +90,9 @@ fn update_boxes<E: Executor>(
                 };
                 let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
                 let is_home = u32::from(motion.center.sector == home);
+                let flags = Reach::HOME * is_home | Reach::DYNAMIC * u32::from(body.is_dynamic());
                 let (min, max) = (bounds.reach.min, bounds.reach.max);
-                *reach = Reach { min, body: shape.body, max, is_home };
+                *reach = Reach { min, body: shape.body, max, flags };
                 *moved = u8::from(update_box(shape, body, &bounds) || all);
             }
         }

@@ -8,7 +8,7 @@
 //! The base is rounded so that it takes 20 bytes. It is where points are *looked for*; where they are, and how far
 //! apart, is always computed from the exact poses.
 
-use crate::body::{BodyRow, Motion, Position};
+use crate::body::{Motion, Position};
 use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::lanes::Words;
@@ -44,7 +44,6 @@ fn frame_of(words: Words) -> Pose {
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a> {
     pub shapes: &'a [ShapeRow],
-    pub bodies: &'a [BodyRow],
     pub motions: &'a [Motion],
     pub frames: &'a [Words],
     pub reaches: &'a [Reach],
@@ -55,7 +54,7 @@ impl Scene<'_> {
     #[inline]
     pub fn may_touch(&self, pair: Pair) -> bool {
         let (a, b) = (&self.reaches[pair.a as usize], &self.reaches[pair.b as usize]);
-        if a.is_home & b.is_home != 0 {
+        if a.flags & b.flags & Reach::HOME != 0 {
             return overlap((a.min, a.max), (b.min, b.max));
         }
         let middle = |reach: &Reach| {
@@ -64,6 +63,11 @@ impl Scene<'_> {
         };
         let shift = middle(b).minus(middle(a));
         overlap((a.min, a.max), (b.min + shift, b.max + shift))
+    }
+
+    /// True when the shape's body is dynamic.
+    pub fn is_dynamic(&self, shape: u32) -> bool {
+        self.reaches[shape as usize].flags & Reach::DYNAMIC != 0
     }
 
     fn motion(&self, shape: u32) -> &Motion {
