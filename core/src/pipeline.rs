@@ -68,8 +68,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let is_alone = header.contacts < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
-    let moved =
-        broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    let moved = broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Narrowphase);
     let looks = (&*assets, settings.dt, moved);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));

@@ -326,8 +326,8 @@ pub(crate) struct Memo {
     pub tail: [u32; 4],
 }
 
-/// The box of a shape over the way of the step: what may touch.
-#[repr(C, align(32))]
+/// The box of a shape over the way of the step, and a ball: what may touch.
+#[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Reach {
     /// Least corner, from the middle of the body's sector.
@@ -338,6 +338,10 @@ pub(crate) struct Reach {
     pub max: Vec3,
     /// `Reach::HOME`, `Reach::DYNAMIC`.
     pub flags: u32,
+    /// Origin of the shape's frame, from the middle of the body's sector.
+    pub origin: Vec3,
+    /// How far from there the shape's contacts may be; infinite for a shape without end.
+    pub radius: f32,
 }
 
 impl Reach {

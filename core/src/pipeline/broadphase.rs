@@ -11,7 +11,7 @@ use crate::config::SPECULATIVE_DISTANCE;
 use crate::executor::{Executor, Stage};
 use crate::lanes::Words;
 use crate::math::{Aabb, Pose, Rotation, Vec3};
-use crate::pipeline::meeting::frame_words;
+use crate::pipeline::meeting::{frame_words, reach_radius};
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
@@ -92,7 +92,9 @@ fn update_boxes<E: Executor>(
                 let is_home = u32::from(motion.center.sector == home);
                 let flags = Reach::HOME * is_home | Reach::DYNAMIC * u32::from(body.is_dynamic());
                 let (min, max) = (bounds.reach.min, bounds.reach.max);
-                *reach = Reach { min, body: shape.body, max, flags };
+                let origin = pose.position + motion.center.offset;
+                let radius = reach_radius(shape, (motion, assets, dt));
+                *reach = Reach { min, body: shape.body, max, flags, origin, radius };
                 *moved = u8::from(update_box(shape, body, &bounds) || all);
             }
         }

@@ -234,10 +234,7 @@ impl LaneRotation {
     /// `yes` where true, `no` where false.
     #[inline(always)]
     pub fn select(mask: Mask, yes: Self, no: Self) -> Self {
-        Self {
-            imaginary: mask.select_vec(yes.imaginary, no.imaginary),
-            real: mask.select(yes.real, no.real),
-        }
+        Self { imaginary: mask.select_vec(yes.imaginary, no.imaginary), real: mask.select(yes.real, no.real) }
     }
 
     /// See [`Rotation::renormalized`].

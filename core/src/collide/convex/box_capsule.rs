@@ -5,9 +5,9 @@
 //! exact on the last of these lines; a bracket keeps it from going round.
 
 use super::round::{self, ALONG, FACE_COSINE, Over, SLACK, Segment};
-use crate::collide::{Manifold, Plane};
 use crate::collide::distance::{Closest, unit};
 use crate::collide::polytope::BoxHull;
+use crate::collide::{Manifold, Plane};
 use crate::math::{Vec3, clamp, length, max, min};
 
 /// Most steps: Newton takes two or three; where a line is short, halving the bracket finds it.
@@ -31,9 +31,13 @@ pub fn collide(half: Vec3, b: &Segment, distance: f32) -> Option<Manifold> {
     if !near.has_normal() {
         return round::hull_capsule_near(&BoxHull::new(half).hull(), b, &near, distance);
     }
-    round::touch(b, &near, distance, || along_face(half, b, &near, distance), || {
-        along_edge(half, b, &near, distance)
-    })
+    round::touch(
+        b,
+        &near,
+        distance,
+        || along_face(half, b, &near, distance),
+        || along_edge(half, b, &near, distance),
+    )
 }
 
 /// Two contacts when the closest points have a face's normal and the segment lies over that face.
