@@ -320,8 +320,8 @@ fn warm<const N: usize>(u: &mut Velocities, row: &LinkRow, points: &[PointRow; N
     }
 }
 
-/// The tangents as one disc, then the twist. Returns the impulse across the normal, which the linear velocities have
-/// yet to get: see [`Line`].
+/// The tangents as one disc, then the twist. Returns the impulse across the normal, which the linear velocities
+/// have yet to get: see [`Line`].
 #[inline(always)]
 fn solve_friction<const N: usize>(
     u: &mut Velocities,

@@ -90,7 +90,7 @@ fn update_boxes<E: Executor>(
                 };
                 let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
                 let is_home = u32::from(motion.center.sector == home);
-                let flags = Reach::HOME * is_home | Reach::DYNAMIC * u32::from(body.is_dynamic());
+                let flags = (Reach::HOME * is_home) | (Reach::DYNAMIC * u32::from(body.is_dynamic()));
                 let (min, max) = (bounds.reach.min, bounds.reach.max);
                 let origin = pose.position + motion.center.offset;
                 let radius = reach_radius(shape, (motion, assets, dt));

@@ -73,14 +73,15 @@ impl Scene<'_> {
         &self.motions[self.reaches[shape as usize].body as usize]
     }
 
-    /// The shapes of a pair in the order in which they are collided: the richer one first, of equals the lower slot.
+    /// The shapes of a pair in the order in which they are collided: the richer one first, of equals the lower
+    /// slot.
     pub fn in_order(&self, pair: Pair) -> [u32; 2] {
         let shape = |slot: u32| &self.shapes[slot as usize];
         if are_in_order(shape(pair.a), shape(pair.b)) { [pair.a, pair.b] } else { [pair.b, pair.a] }
     }
 }
 
-/// True when a pair is collided in the order of its slots: in the other one it would have to be turned round.
+/// True when a pair is collided in the order of its slots: the other one would have to be turned round.
 pub(crate) fn are_in_order(a: &ShapeRow, b: &ShapeRow) -> bool {
     a.kind >= b.kind
 }
@@ -184,8 +185,8 @@ fn radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> Option<Radius> {
     }
 }
 
-/// How far from the origin of its frame a shape's contacts may be in the coming step: two shapes whose balls of this
-/// radius are apart have none, fast as they may be.
+/// How far from the origin of its frame a shape's contacts may be in the coming step: two shapes whose balls of
+/// this radius are apart have none, fast as they may be.
 pub(crate) fn reach_radius(shape: &ShapeRow, (motion, assets, dt): (&Motion, &AssetTables<'_>, f32)) -> f32 {
     let own = match shape.kind {
         GEOMETRY_SPHERE => shape.size[0],
