@@ -86,8 +86,8 @@ pub(crate) fn are_in_order(a: &ShapeRow, b: &ShapeRow) -> bool {
     a.kind >= b.kind
 }
 
-/// True when the boxes and the balls of two shapes overlap, the second moved by `shift`. All is compared: what parts
-/// them cannot be foretold, and a wrong guess costs more than the rest.
+/// True when the boxes and the balls of two shapes overlap, the second moved by `shift`. All is compared: what
+/// parts them cannot be foretold, and a wrong guess costs more than the rest.
 #[inline(always)]
 fn overlap(a: &Reach, b: &Reach, shift: Vec3) -> bool {
     let (away, reach) = (b.origin + shift - a.origin, a.radius + b.radius);
