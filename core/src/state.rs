@@ -475,8 +475,8 @@ pub(crate) struct Memo {
     pub tail: [u32; 4],
 }
 
-/// The box of a shape over the way of the step: what may touch.
-#[repr(C, align(32))]
+/// The box of a shape over the way of the step, and a ball: what may touch.
+#[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Reach {
     /// Least corner, from the middle of the body's sector.
@@ -485,8 +485,19 @@ pub(crate) struct Reach {
     pub body: u32,
     /// Greatest corner.
     pub max: Vec3,
-    /// 1 when the body is in the trees' sector.
-    pub is_home: u32,
+    /// `Reach::HOME`, `Reach::DYNAMIC`.
+    pub flags: u32,
+    /// Origin of the shape's frame, from the middle of the body's sector.
+    pub origin: Vec3,
+    /// How far from there the shape's contacts may be; infinite for a shape without end.
+    pub radius: f32,
+}
+
+impl Reach {
+    /// The body is in the trees' sector.
+    pub const HOME: u32 = 1;
+    /// The body is dynamic.
+    pub const DYNAMIC: u32 = 2;
 }
 
 /// What a contact is in this step.

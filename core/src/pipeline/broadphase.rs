@@ -11,7 +11,7 @@ use crate::config::SPECULATIVE_DISTANCE;
 use crate::executor::{Executor, Stage};
 use crate::lanes::Words;
 use crate::math::{Aabb, Pose, Rotation, Vec3};
-use crate::pipeline::meeting::frame_words;
+use crate::pipeline::meeting::{frame_words, reach_radius};
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
@@ -107,8 +107,11 @@ fn place_of(
     };
     let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
     let is_home = u32::from(motion.center.sector == home);
+    let flags = (Reach::HOME * is_home) | (Reach::DYNAMIC * u32::from(body.is_dynamic()));
     let (min, max) = (bounds.reach.min, bounds.reach.max);
-    ((frame, stance, Reach { min, body: shape.body, max, is_home }), bounds)
+    let origin = pose.position + motion.center.offset;
+    let radius = reach_radius(shape, (motion, assets, dt));
+    ((frame, stance, Reach { min, body: shape.body, max, flags, origin, radius }), bounds)
 }
 
 /// Computes frame and reach of a shape that the update of boxes has passed over, because its body slept. `home` is the

@@ -129,7 +129,6 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
         place_shape(state, (assets, dt), (None, scratch), asleep);
         let scene = Scene {
             shapes: state.shapes,
-            bodies: state.bodies,
             motions: state.motions,
             frames: scratch.frames,
             reaches: scratch.reaches,
