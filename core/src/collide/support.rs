@@ -9,7 +9,7 @@
 //! is the disc, the line on the side that looks along the normal, or the point of the rim that does, so nothing
 //! bumps when it rolls.
 //!
-//! In f64, so that a normal is good to 1e-6 rad also where curved sides nearly touch. Legend: `n` the unit normal
+//! In f64, so that a normal is good to 3e-5 rad also where curved sides nearly touch. Legend: `n` the unit normal
 //! from A to B, `q` a point seen along it, `h` a height along it.
 
 mod closest;
@@ -34,7 +34,7 @@ const LEVEL_COSINE: f64 = 0.998_75;
 /// size; a part that misses more is not where the shapes touch.
 const SLACK: f64 = 2.0e-4;
 /// Square of the angle by which a normal may be off.
-const EXACT: f64 = 1.0e-13;
+const EXACT: f64 = 1.0e-9;
 /// A direction counts as along an axis when the part across it is a smaller fraction.
 const ON_AXIS: f64 = 1.0e-12;
 /// Feature of the one closest point.

@@ -14,7 +14,7 @@ use super::closest::{Aim, Near, Pair};
 use super::{Core, SupportShape, length};
 use crate::collide::double::DVec3;
 
-/// Refinements: for depths of a tenth of the radius, 1e-6 rad.
+/// Refinements: each takes off a factor of depth over radius.
 const REFINEMENTS: usize = 8;
 /// How far apart the cores are pushed, as a fraction of the lesser size. Of cores that are nearer than this the
 /// normal is found here too: that of closest points is a difference, which has few digits when they nearly touch.
@@ -22,7 +22,7 @@ pub(super) const MARGIN: f64 = 1.0e-2;
 /// A direction must beat another by this fraction of the lesser size: noise shall not choose.
 const BETTER: f64 = 1.0e-7;
 /// Square of the angle by which a refined normal may be off, before the next refinement.
-const REFINED: f64 = 1.0e-13;
+const REFINED: f64 = 1.0e-9;
 /// The same for a direction to start from.
 const ROUGH: f64 = 1.0e-3;
 /// Factors by which cores are made smaller.
@@ -30,7 +30,7 @@ const SCALES: [f64; 3] = [0.9, 0.5, 0.1];
 
 /// Depths up to this fraction of the lesser size have the best direction tried as their start; deeper ones have
 /// several ways out, and the best of every group of directions is refined.
-const SHALLOW: f64 = 0.05;
+const SHALLOW: f64 = 0.1;
 /// Groups of directions.
 const GROUPS: usize = 4;
 
