@@ -70,7 +70,8 @@ impl Scene<'_> {
         &self.motions[self.reaches[shape as usize].body as usize]
     }
 
-    /// The shapes of a pair in the order in which they are collided: the richer one first, of equals the lower slot.
+    /// The shapes of a pair in the order in which they are collided: the richer one first, of equals the lower
+    /// slot.
     pub fn in_order(&self, pair: Pair) -> [u32; 2] {
         let shape = |slot: u32| &self.shapes[slot as usize];
         if are_in_order(shape(pair.a), shape(pair.b)) { [pair.a, pair.b] } else { [pair.b, pair.a] }

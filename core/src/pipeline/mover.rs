@@ -172,8 +172,8 @@ impl MoverRow {
         turned
     }
 
-    /// The nudges that joints have left in the seats, for a substep. A top that is nudged takes its momentum with it:
-    /// if that stayed in the world, a slender body would gain spin about its axis from every correction.
+    /// The nudges that joints have left in the seats, for a substep. A top that is nudged takes its momentum with
+    /// it: if that stayed in the world, a slender body would gain spin about its axis from every correction.
     #[cold]
     fn take_nudges(&mut self, seats: &mut [Seat; LANES], momentum: LaneVec, substep: f32) -> Nudge {
         let n = transpose([0, 1, 2, 3, 4, 5, 6, 7].map(|lane: usize| seats[lane].moved));

@@ -268,8 +268,8 @@ impl Task<'_> {
         }
     }
 
-    /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row stays as
-    /// it is, and only where the points are is new.
+    /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row
+    /// stays as it is, and only where the points are is new.
     fn goes_on(&mut self, found: &Found<'_>, first: usize, manifolds: &Manifolds) -> bool {
         let ([row], [manifold]) = (&self.rows[first..self.next], manifolds.as_slice()) else { return false };
         let mut features = [0; POINTS_MAX];
