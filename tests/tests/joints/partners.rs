@@ -105,7 +105,7 @@ fn joints_cross_sectors() {
     // The same chain at the origin, and across the border of two sectors far out: the same but for rounding.
     let sway = |sector: [i32; 3], x: f32| {
         let (mut world, _) = jointed(5, 4, 4);
-        let place = |p: Vec3| Position { sector, offset: Vec3::new(x, 0.0, 0.0) }.offset_by(p);
+        let place = |p: Vec3| Position { sector, offset: Vec3::new(x, 0.0, 0.0) }.plus(p);
         let def = BodyDef { position: place(Vec3::ZERO), ..BodyDef::new(BodyKind::Static, Vec3::ZERO) };
         let mut last = world.create_body(&def).expect("room");
         let mut joints = Vec::new();
@@ -137,11 +137,11 @@ fn locked_axes_stay_locked() {
     // A pendulum that may not leave the plane x z nor turn about x and z; and a weight that moves along x only.
     let (mut world, base) = jointed(2, 2, 4);
     let bar = Bar::new(&mut world, Vec3::ZERO, Vec3::new(0.8, 0.0, -0.6));
-    let locks = AxisLocks::LINEAR_Y | AxisLocks::ANGULAR_X | AxisLocks::ANGULAR_Z;
+    let locks = AxisLocks(AxisLocks::MOVE_Y.0 | AxisLocks::TURN_X.0 | AxisLocks::TURN_Z.0);
     world.set_locks(bar.body, locks).expect("it exists");
     world.create_joint(&JointDef::ball([base, bar.body], [Pose::IDENTITY, at(Vec3::new(-0.5, 0.0, 0.0))])).expect("room");
     let bead = massive(&mut world, at(Vec3::new(2.0, 0.0, 0.0)), ball(1.0, 0.2));
-    world.set_locks(bead, AxisLocks::LINEAR_Y | AxisLocks::LINEAR_Z).expect("it exists");
+    world.set_locks(bead, AxisLocks(AxisLocks::MOVE_Y.0 | AxisLocks::MOVE_Z.0)).expect("it exists");
     let rope = JointDef::distance([base, bead], [Vec3::new(0.0, 0.0, 1.0), Vec3::ZERO], 0.0, 1.5);
     let rope = world.create_joint(&rope).expect("room");
     let start = energy(&world, bar.body, GRAVITY);
