@@ -278,7 +278,7 @@ impl LaneRotation {
 
     /// Where the third axis of the frame points.
     #[inline(always)]
-    fn third(self) -> LaneVec {
+    pub fn third(self) -> LaneVec {
         let (LaneVec { x, y, z }, w) = (self.imaginary, self.real);
         let (one, two) = (Lane::splat(1.0), Lane::splat(2.0));
         LaneVec::new(two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y))
@@ -363,12 +363,6 @@ pub(crate) fn swing(frame: LaneRotation, turn: LaneVec, (near, far): (Lane, Lane
         total = LaneRotation::select(goes_on, step.after(total), total);
     }
     total
-}
-
-/// The turn that a top's momentum means now, if `turn` is that by its reference moment.
-pub(crate) fn spun(frame: LaneRotation, turn: LaneVec, (near, far): (Lane, Lane)) -> LaneVec {
-    let (second, third) = (frame.second(), frame.third());
-    turn + second.times(turn.dot(second) * near) + third.times(turn.dot(third) * far)
 }
 
 /// `m^-1 v` for a symmetric matrix (diagonal, then xy, xz, yz); 0 where it has none.
