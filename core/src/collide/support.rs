@@ -130,7 +130,7 @@ pub fn contacts(
     let radii = a.radius + b.radius;
     let limit = f64::from(distance) + radii;
     let pair = Pair::new(a, b);
-    let touching = depth::MARGIN * pair.lesser_size();
+    let touching = depth::TOUCHING * pair.lesser_size();
     let aim = Aim { limit, touching, angle_squared: EXACT };
     let near = match pair.closest(b.center() - a.center(), &aim)? {
         near if near.is_apart => near,

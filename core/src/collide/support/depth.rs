@@ -16,9 +16,11 @@ use crate::collide::double::DVec3;
 
 /// Refinements: each takes off a factor of depth over radius.
 const REFINEMENTS: usize = 8;
-/// How far apart the cores are pushed, as a fraction of the lesser size. Of cores that are nearer than this the
-/// normal is found here too: that of closest points is a difference, which has few digits when they nearly touch.
-pub(super) const MARGIN: f64 = 1.0e-2;
+/// How far apart the cores are pushed, as a fraction of the lesser size.
+const MARGIN: f64 = 1.0e-2;
+/// Of cores that are nearer than this fraction of the lesser size the normal is found here too: that of closest
+/// points is a difference, which has few digits when they nearly touch.
+pub(super) const TOUCHING: f64 = 1.0e-4;
 /// A direction must beat another by this fraction of the lesser size: noise shall not choose.
 const BETTER: f64 = 1.0e-7;
 /// Square of the angle by which a refined normal may be off, before the next refinement.

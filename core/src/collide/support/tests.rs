@@ -225,6 +225,42 @@ fn small_moves_turn_the_normal_by_little() {
     assert!(compared > 300, "{compared}");
 }
 
+#[test]
+fn the_normal_goes_on_while_shapes_sink_in() {
+    let rock = rock();
+    let kinds = kinds(&rock);
+    let mut dice = Dice(4);
+    let mut compared = 0;
+    for (a, b) in pairs(&kinds) {
+        for _ in 0..30 {
+            let pose = dice.pose(1.2);
+            let Some(m) = found(a, b, &pose, 0.4) else { continue };
+            if least(&m) < 0.02 {
+                continue;
+            }
+            // From 10 mm apart to 10 mm deep along the normal. At an edge or a corner another direction may become
+            // the shorter way out as soon as they overlap.
+            let mut before: Option<Vec3> = None;
+            for step in 0..40 {
+                let way = m.normal * (least(&m) - 0.01 + 5.0e-4 * step as f32);
+                let moved = Pose::new(pose.position - way, pose.rotation);
+                let n = found(a, b, &moved, 0.4).expect("nearer than before");
+                let apart = 0.01 - 5.0e-4 * step as f32;
+                let error = least(&n) - apart;
+                let most = if apart > 0.0 { 2.0e-4 } else { 2.0e-4 - apart };
+                assert!(error > -2.0e-4 && error < most, "{a:?} {b:?} {moved:?}: {n:?} {apart}");
+                if apart > 2.0e-4
+                    && let Some(before) = before.replace(n.normal)
+                {
+                    assert!(length32(n.normal - before) < 2.0e-3, "{a:?} {b:?} {moved:?}: {n:?} {before}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 2000, "{compared}");
+}
+
 /// The poses in which a cylinder and a cone rest on the plane z = 0, and how many points they rest on.
 fn rests() -> Vec<(Solid<'static>, Pose, usize)> {
     let (h, r) = (0.7_f32, 0.4_f32);
