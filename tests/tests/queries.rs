@@ -146,18 +146,7 @@ fn prove_hit(part: &Part, (moving, d): (&Solid, Wide), hit: &Hit) {
     let gap = -there.reach(normal.map(|x| -x)) - part.solid.reach(normal);
     assert!(gap > -1.0e-5, "{part:?} and {there:?} overlap by {gap}: {hit:?}");
     let off = [part.solid.distance(point), there.distance(point)];
-    assert!(off.iter().all(|off| *off < 1.0e-5), "the point is off by {off:?}: {hit:?} {part:?}");
-}
-
-/// How near a round or pointed solid is to another, for certain not less; for polytopes the greatest gap of any
-/// axis.
-fn separation(a: &Solid, b: &Solid) -> f64 {
-    match (a, b) {
-        (Solid::Ball(center, radius), _) => b.distance(*center) - radius,
-        (Solid::Capsule([p, q], radius), _) => b.distance_of_segment(*p, *q) - radius,
-        (_, Solid::Ball(..) | Solid::Capsule(..)) => separation(b, a),
-        _ => a.gap(b),
-    }
+    assert!(off.iter().all(|off| *off < 1.0e-5), "the point is off by {off:?}: {hit:?} {part:?} {there:?}");
 }
 
 #[test]
@@ -183,7 +172,7 @@ fn moving_shapes_meet_what_they_meet_and_nothing_before() {
                 let part =
                     parts.iter().find(|p| (p.shape, p.child) == (hit.shape, hit.child)).expect("a part");
                 if hit.distance == 0.0 {
-                    assert!(separation(moving, &part.solid) < NEAR, "{i}: {hit:?}");
+                    assert!(moving.separation(&part.solid) < NEAR, "{i}: {hit:?}");
                     assert!(
                         norm(plus(wide(hit.normal), d, 1.0)) < 1.0e-6 && hit.point == cast.shape.position
                     );
@@ -202,7 +191,7 @@ fn moving_shapes_meet_what_they_meet_and_nothing_before() {
                     if is_far(moving, &part.solid, (d, s)) {
                         continue;
                     }
-                    let overlap = separation(&moving.moved(d.map(|x| x * s)), &part.solid);
+                    let overlap = moving.moved(d.map(|x| x * s)).separation(&part.solid);
                     assert!(
                         end <= 0.0 || overlap > -NEAR,
                         "{seed} {i}: {overlap} at {s} of {end} with {part:?}"
@@ -246,7 +235,7 @@ fn regions_overlap_what_brute_force_finds() {
             for part in &parts {
                 let told = all.iter().find(|overlap| overlap.shape == part.shape);
                 let far = is_far(&own, &part.solid, ([0.0; 3], 0.0));
-                let apart = if far { 0.1 } else { separation(&own, &part.solid) };
+                let apart = if far { 0.1 } else { own.separation(&part.solid) };
                 match told {
                     None => assert!(apart > -NEAR, "{i}: {part:?} overlaps by {apart}"),
                     Some(told) if told.child == part.child => assert!(apart < NEAR, "{i}: {part:?} {apart}"),
