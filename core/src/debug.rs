@@ -48,12 +48,12 @@ impl DebugLayers {
     pub const AXES: Self = Self(32);
     /// Slots and masses of bodies, and impulses of contacts, as text beside what is drawn.
     pub const LABELS: Self = Self(64);
-    /// Joints that hold: the x axes of both frames (of hinges and sliders the axis), the other axes of the first, a
-    /// line from each center of mass to its frame, and the gap between the frames, which is seen where a joint has
-    /// room or gives.
+    /// Joints that are not broken: the axes of both frames, a line from each center of mass to its frame, and one
+    /// between the frames' origins, which is seen where a joint has room or gives.
     pub const JOINTS: Self = Self(128);
-    /// Limits of joints: the range of every limited turn as an arc with its ends and a hand at the turn as it is, the
-    /// range of every limited shift as a line with its ends, and cones by their rim.
+    /// Limits of the same joints: the range of every limited turn as an arc with its ends and a hand at the turn as it
+    /// is, that of every limited shift or distance as a line, and cones by their rim. Of a range without an end half a
+    /// turn or the drawing's reach is drawn.
     pub const JOINT_LIMITS: Self = Self(256);
     /// Everything.
     pub const ALL: Self = Self(511);
