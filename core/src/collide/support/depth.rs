@@ -12,7 +12,7 @@
 
 use super::closest::{Near, Pair};
 use super::{Core, SupportShape, length};
-use crate::collide::double::DVec3;
+use glam::DVec3;
 
 /// Refinements: for depths of a tenth of the radius, 1e-6 rad.
 const REFINEMENTS: usize = 8;
