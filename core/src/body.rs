@@ -167,6 +167,8 @@ pub struct BodyDef {
     pub locks: AxisLocks,
     /// Mass, center and inertia; `None` takes them from the shapes' densities.
     pub mass: Option<MassProperties>,
+    /// False for a body that never falls asleep, and keeps awake what it touches.
+    pub can_sleep: bool,
     /// Yours; part of the state.
     pub user: u64,
 }
@@ -184,6 +186,7 @@ impl Default for BodyDef {
             gravity_scale: 1.0,
             locks: AxisLocks::NONE,
             mass: None,
+            can_sleep: true,
             user: 0,
         }
     }
@@ -284,8 +287,24 @@ pub(crate) const QUARANTINED: u32 = 8;
 pub(crate) const CHANGED_SECTOR: u32 = 16;
 /// A kinematic body reaches its target at the end of the coming step, and stops.
 pub(crate) const STOPS_AFTER_STEP: u32 = 32;
-pub(crate) const FLAGS_ALL: u32 =
-    KIND_MASK | GIVEN_MASS | QUARANTINED | CHANGED_SECTOR | STOPS_AFTER_STEP | (63 << LOCKS_SHIFT);
+/// The body sleeps: it is not solved, and stands for a static one until something wakes it.
+pub(crate) const ASLEEP: u32 = 64;
+/// The body was changed by a call: it wakes, and what touches it.
+pub(crate) const WAKES: u32 = 128;
+/// The body never sleeps, and keeps its island awake.
+pub(crate) const SLEEPLESS: u32 = 1 << 14;
+/// Bits of the number of steps that the body has been quiet.
+pub(crate) const QUIET_SHIFT: u32 = 16;
+pub(crate) const FLAGS_ALL: u32 = KIND_MASK
+    | GIVEN_MASS
+    | QUARANTINED
+    | CHANGED_SECTOR
+    | STOPS_AFTER_STEP
+    | (63 << LOCKS_SHIFT)
+    | ASLEEP
+    | WAKES
+    | SLEEPLESS
+    | (0xffff << QUIET_SHIFT);
 
 impl BodyRow {
     #[inline(always)]
@@ -300,6 +319,30 @@ impl BodyRow {
     #[inline(always)]
     pub fn is_dynamic(&self) -> bool {
         self.kind() == BodyKind::Dynamic
+    }
+
+    /// Dynamic and not asleep: it takes part in the solve.
+    #[inline(always)]
+    pub fn is_active(&self) -> bool {
+        self.flags & (KIND_MASK | ASLEEP) == BodyKind::Dynamic as u32
+    }
+
+    /// Static or asleep: it stays where it is.
+    #[inline(always)]
+    pub fn rests(&self) -> bool {
+        self.flags & ASLEEP != 0 || self.kind() == BodyKind::Static
+    }
+
+    /// Steps that the body has been quiet, at most 65535.
+    #[inline(always)]
+    pub fn quiet_steps(&self) -> u32 {
+        self.flags >> QUIET_SHIFT
+    }
+
+    /// Counts a quiet step, or starts again.
+    pub fn count_quiet(&mut self, is_quiet: bool) {
+        let steps = if is_quiet { (self.quiet_steps() + 1).min(0xffff) } else { 0 };
+        self.flags = self.flags & ((1 << QUIET_SHIFT) - 1) | steps << QUIET_SHIFT;
     }
 
     #[inline(always)]

@@ -51,9 +51,9 @@ impl DebugLayers {
     /// Joints that are not broken: the axes of both frames, a line from each center of mass to its frame, and one
     /// between the frames' origins, which is seen where a joint has room or gives.
     pub const JOINTS: Self = Self(128);
-    /// Limits of the same joints: the range of every limited turn as an arc with its ends and a hand at the turn as it
-    /// is, that of every limited shift or distance as a line, and cones by their rim. Of a range without an end half a
-    /// turn or the drawing's reach is drawn.
+    /// Limits of the same joints: the range of every limited turn as an arc with its ends and a hand at the turn as
+    /// it is, that of every limited shift or distance as a line, and cones by their rim. Of a range without an end
+    /// half a turn or the drawing's reach is drawn.
     pub const JOINT_LIMITS: Self = Self(256);
     /// Everything.
     pub const ALL: Self = Self(511);

@@ -19,6 +19,7 @@ pub(crate) mod ordering;
 pub(crate) mod query_trees;
 pub(crate) mod rows;
 pub(crate) mod seat;
+pub(crate) mod sleep;
 pub(crate) mod solver;
 pub(crate) mod tasks;
 
@@ -47,6 +48,8 @@ pub(crate) struct Counts {
     pub quarantined: u32,
     pub capped: u32,
     pub broken: u32,
+    /// Bodies that have been quiet for long enough.
+    pub ready: u32,
 }
 
 /// The memory of a world, region by region.
@@ -78,8 +81,9 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
     let moved = broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    let woken = sleep::wake(state, (assets, settings.dt), (cache, scratch), &mut counts);
     crew.executor.enter(Stage::Narrowphase);
-    let looks = (&*assets, settings.dt, moved);
+    let looks = (&*assets, settings.dt, moved, woken);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
     let links = activate(state, scratch, &mut crew);
@@ -107,7 +111,10 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     crew.executor.enter(Stage::Finish);
     let joints = (&plan, links.joints, settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
-    finish::run(state, (cache, scratch), (&plan, settings.dt), (&mut crew, &mut counts));
+    finish::run(state, (cache, scratch), (&plan, settings), (&mut crew, &mut counts));
+    if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
+        sleep::fall(state, (cache, scratch), (links, steps));
+    }
     crew.executor.leave();
     report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers))
 }
@@ -118,7 +125,7 @@ fn activate<E: Executor>(state: &State<'_>, scratch: &mut Scratch<'_>, crew: &mu
     let mut count = 0;
     scratch.active_of[..header.bodies.high as usize].fill(IMMOVABLE);
     for slot in pool::iterate(state.body_used, header.bodies.high) {
-        if state.bodies[slot as usize].is_dynamic() {
+        if state.bodies[slot as usize].is_active() {
             scratch.active_of[slot as usize] = count as u32;
             scratch.active[count].body = slot;
             count += 1;
@@ -138,6 +145,7 @@ fn report(
         step: header.step,
         bodies: header.bodies.count,
         active: bodies,
+        asleep: header.asleep,
         pairs: header.pairs,
         contacts: header.contacts,
         joints: header.joints.count,

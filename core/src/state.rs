@@ -46,6 +46,13 @@ pub(crate) struct Header {
     pub joints: Marks,
     /// Limits, drives and frictions of all joints.
     pub joint_bounds: u32,
+    /// Bodies that sleep.
+    pub asleep: u32,
+    /// Rows of `asleep_pairs` and `asleep_contacts` in use.
+    pub asleep_pairs: u32,
+    pub asleep_contacts: u32,
+    /// 1 when some body has to wake, or what it touches.
+    pub wakes: u32,
     /// Zero.
     pub reserved: u32,
 }
@@ -150,6 +157,10 @@ region! {
         pairs: Pair = c.pairs as usize,
         /// Sorted by key, distinct.
         contacts: ContactRow = c.contacts as usize,
+        /// Pairs and contacts of bodies that sleep, with each other and with what rests; sorted as those awake. A
+        /// contact has no phase.
+        asleep_pairs: Pair = c.pairs as usize,
+        asleep_contacts: ContactRow = c.contacts as usize,
         ordering: OrderingRow = 1,
         /// Changes of the ordering near each body.
         dirt: u8 = c.bodies as usize,
@@ -464,8 +475,8 @@ pub(crate) struct Memo {
     pub tail: [u32; 4],
 }
 
-/// The box of a shape over the way of the step: what may touch.
-#[repr(C, align(32))]
+/// The box of a shape over the way of the step, and a ball: what may touch.
+#[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Reach {
     /// Least corner, from the middle of the body's sector.
@@ -474,8 +485,19 @@ pub(crate) struct Reach {
     pub body: u32,
     /// Greatest corner.
     pub max: Vec3,
-    /// 1 when the body is in the trees' sector.
-    pub is_home: u32,
+    /// `Reach::HOME`, `Reach::DYNAMIC`.
+    pub flags: u32,
+    /// Origin of the shape's frame, from the middle of the body's sector.
+    pub origin: Vec3,
+    /// How far from there the shape's contacts may be; infinite for a shape without end.
+    pub radius: f32,
+}
+
+impl Reach {
+    /// The body is in the trees' sector.
+    pub const HOME: u32 = 1;
+    /// The body is dynamic.
+    pub const DYNAMIC: u32 = 2;
 }
 
 /// What a contact is in this step.
@@ -564,6 +586,12 @@ region! {
         rows_before: ContactRow = c.contacts as usize,
         /// Index of each link in the step before, or `NEW`.
         contact_from: u32 = links_max(c),
+        /// Places of the contacts that woke in this step, ascending.
+        woken: u32 = c.contacts as usize,
+        /// Sets of bodies that are joined by links, by slot.
+        islands: u32 = c.bodies as usize,
+        /// What becomes of a body or of its island, by slot.
+        marks: u8 = c.bodies as usize,
         /// Bodies of the links that ended.
         lost: [u32; 2] = links_max(c),
         /// Index among the active bodies by slot; `u32::MAX` for none.

@@ -193,13 +193,17 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         self.header().settings.read().expect("settings in the state are valid")
     }
 
-    /// Changes the settings.
+    /// Changes the settings. Other gravity wakes all bodies.
     ///
     /// # Errors
     /// A number is not finite or out of the range in [`Settings`]; the world is unchanged.
     pub fn set_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         settings.check()?;
+        let pulls = self.settings().gravity != settings.gravity;
         self.header_mut().settings = SettingsRow::from(settings);
+        if pulls {
+            bodies::wake_all(&mut self.state_view());
+        }
         Ok(())
     }
 

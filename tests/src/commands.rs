@@ -7,8 +7,8 @@
 use crate::worlds::OwnedWorld;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Error, Filter, Geometry, MassProperties, Position, Settings,
-    ShapeDef, ShapeHandle,
+    Axis, AxisLocks, BodyDef, BodyHandle, BodyKind, Error, Filter, Geometry, JointDef, JointHandle,
+    MassProperties, Position, Settings, ShapeDef, ShapeHandle,
 };
 
 /// A call that changes a world. The names are those of the methods of `World`.
@@ -40,6 +40,11 @@ pub enum Command {
     SetDensity(ShapeHandle, f32),
     SetMaterial(ShapeHandle, f32, f32),
     SetFilter(ShapeHandle, Filter),
+    CreateJoint(Box<JointDef>),
+    RemoveJoint(JointHandle),
+    SetJoint(JointHandle, Box<JointDef>),
+    SetJointAxis(JointHandle, usize, Axis),
+    SetJointUser(JointHandle, u64),
     SetSettings(Settings),
 }
 
@@ -52,6 +57,8 @@ pub enum Outcome {
     Body(BodyHandle),
     /// It created this shape.
     Shape(ShapeHandle),
+    /// It created this joint.
+    Joint(JointHandle),
 }
 
 impl Command {
@@ -63,6 +70,11 @@ impl Command {
         match self {
             Self::CreateBody(def) => return world.create_body(def).map(Outcome::Body),
             Self::CreateShape(body, def) => return world.create_shape(*body, def).map(Outcome::Shape),
+            Self::CreateJoint(def) => return world.create_joint(def).map(Outcome::Joint),
+            Self::RemoveJoint(joint) => world.remove_joint(*joint)?,
+            Self::SetJoint(joint, def) => world.set_joint(*joint, def)?,
+            Self::SetJointAxis(joint, index, axis) => world.set_joint_axis(*joint, *index, axis)?,
+            Self::SetJointUser(joint, user) => world.set_joint_user(*joint, *user)?,
             Self::RemoveShape(shape) => world.remove_shape(*shape)?,
             Self::SetShapeUser(shape, user) => world.set_shape_user(*shape, *user)?,
             Self::SetGeometry(shape, geometry, pose) => world.set_geometry(*shape, geometry, pose)?,

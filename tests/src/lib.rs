@@ -3,6 +3,7 @@
 pub mod commands;
 pub mod executors;
 pub mod fuzzing;
+pub mod jointed;
 pub mod mixed;
 pub mod oracles;
 pub mod reference;

@@ -77,8 +77,8 @@ impl Draw for Random {
     }
 }
 
-/// Makes the world: a half-space, a mesh of 512 triangles in waves, a height field with holes, and 120 bodies of all
-/// kinds with one to three shapes each, some of them compounds of 3 or 40 children.
+/// Makes the world: a half-space, a mesh of 512 triangles in waves, a height field with holes, and 120 bodies of
+/// all kinds with one to three shapes each, some of them compounds of 3 or 40 children.
 pub fn mixed_world(seed: u64) -> OwnedWorld {
     let mut random = Random::new(seed);
     let mut world = world_with(CAPACITIES);

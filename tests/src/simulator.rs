@@ -3,13 +3,15 @@
 //! What it does follows from its seed and the outcomes of its commands. It lives around the origin, so that bodies
 //! meet, pile up on the ground and on a mesh, and are removed and replaced the whole time.
 
+mod joints;
+
 use crate::commands::{Command, Outcome};
 use crate::executors::Random;
 use crate::worlds::{self, OwnedWorld};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Error, Filter, Geometry, HullHandle,
-    MassProperties, MeshHandle, Position, Settings, ShapeDef, ShapeHandle,
+    JointHandle, MassProperties, MeshHandle, Position, Settings, ShapeDef, ShapeHandle,
 };
 
 /// Handles that are remembered; older ones are forgotten at random.
@@ -26,6 +28,8 @@ pub struct Simulator {
     bodies: Vec<BodyHandle>,
     /// Shapes that exist, and some that no longer do.
     shapes: Vec<ShapeHandle>,
+    /// Joints that exist, and some that no longer do.
+    joints: Vec<JointHandle>,
 }
 
 /// Room of a simulated world: few bodies, so that slots are reused and creation is refused at times.
@@ -37,7 +41,7 @@ pub const CAPACITIES: Capacities = Capacities {
     hulls: 2,
     meshes: 1,
     mesh_vertices: 25,
-    joints: 0,
+    joints: 16,
     mesh_triangles: 32,
     ..Capacities::for_bodies(0)
 };
@@ -83,7 +87,12 @@ impl Simulator {
         let terrain = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO)).expect("room");
         let def = ShapeDef::new(Geometry::Mesh(MeshHandle(0)));
         let shape = world.create_shape(terrain, &def).expect("room");
-        let mut simulator = Self { random: Random::new(seed), bodies: vec![terrain], shapes: vec![shape] };
+        let mut simulator = Self {
+            random: Random::new(seed),
+            bodies: vec![terrain],
+            shapes: vec![shape],
+            joints: Vec::new(),
+        };
         for _ in 0..capacities.bodies / 2 {
             simulator.create(&mut world, &mut Vec::new());
         }
@@ -94,8 +103,12 @@ impl Simulator {
     pub fn play(&mut self, world: &mut OwnedWorld) -> Vec<Event> {
         let mut events = Vec::new();
         for _ in 0..self.random.below(4) {
-            match self.random.below(8) {
+            match self.random.below(11) {
                 0 => self.create(world, &mut events),
+                8..=10 => {
+                    let command = self.of_joint(world);
+                    self.give(command, world, &mut events);
+                }
                 1 => {
                     let command = self.removal();
                     self.give(command, world, &mut events);
@@ -130,6 +143,7 @@ impl Simulator {
         match outcome {
             Ok(Outcome::Body(body)) => remember(&mut self.random, &mut self.bodies, body),
             Ok(Outcome::Shape(shape)) => remember(&mut self.random, &mut self.shapes, shape),
+            Ok(Outcome::Joint(joint)) => remember(&mut self.random, &mut self.joints, joint),
             _ => {}
         }
         events.push((command, outcome));

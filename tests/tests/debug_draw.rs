@@ -5,8 +5,8 @@ use cellstep::debug::{Color, colors};
 use cellstep::joint::axis;
 use cellstep::math::{PI, Pose, Rotation, Vec3, cos, sin};
 use cellstep::{
-    Axis, BodyDef, BodyKind, Capacities, CompoundChild, DebugDraw, DebugLayers, DebugOptions, Geometry,
-    HeightFieldDef, HullHandle, JointDef, MeshHandle, Position, Serial, ShapeDef,
+    Axis, BodyDef, BodyHandle, BodyKind, Capacities, CompoundChild, DebugDraw, DebugLayers, DebugOptions,
+    Geometry, HeightFieldDef, HullHandle, JointDef, MeshHandle, Position, Serial, ShapeDef,
 };
 use cellstep_tests::worlds::{OwnedWorld, add, ground, run, world, world_with};
 use cellstep_tests::{mixed, simulator};
@@ -229,8 +229,8 @@ fn height_fields_and_compounds_are_drawn_part_by_part() {
     assert_eq!(ball.count(), 72);
 }
 
-#[test]
-fn joints_are_drawn_with_their_limits() {
+/// A world with two bodies 2 m apart on the x axis, and frames on them that meet halfway.
+fn two_bodies() -> (OwnedWorld, [BodyHandle; 2], [Pose; 2]) {
     let mut world = world_with(Capacities { joints: 4, ..Capacities::for_bodies(8) });
     let body = |world: &mut OwnedWorld, at: Vec3| {
         let shape = ShapeDef::new(Geometry::Box { half_extents: Vec3::splat(0.1) });
@@ -238,26 +238,37 @@ fn joints_are_drawn_with_their_limits() {
     };
     let bodies = [body(&mut world, Vec3::ZERO), body(&mut world, Vec3::X * 2.0)];
     let frames = [Pose::new(Vec3::X, Rotation::IDENTITY), Pose::new(-Vec3::X, Rotation::IDENTITY)];
-    let mut hinge = JointDef::hinge(bodies, frames);
-    hinge.axes[axis::TURN_X] = Axis::limited(-0.5 * PI, 0.25 * PI);
-    let hinge = world.create_joint(&hinge).expect("room");
-    // The second body turns by a sixth of a turn about the hinge, and leaves a gap of 0.1 m.
-    let turn = Rotation::from_axis_angle(Vec3::X, -PI / 3.0);
-    world.set_pose(bodies[1], Position::at(Vec3::X * 2.1), turn).expect("a good pose");
+    (world, bodies, frames)
+}
+
+/// What is drawn of the joints and their limits, with axes of 0.5 m.
+fn joints_of(world: &OwnedWorld, origin: Position) -> Vec<(Vec3, Vec3, Color)> {
     let options = DebugOptions {
         layers: DebugLayers::JOINTS.and(DebugLayers::JOINT_LIMITS),
         axis_length: 0.5,
         ..DebugOptions::default()
     };
-    let lines = |world: &OwnedWorld| {
-        let mut found = Recorder::default();
-        world.debug_draw(Position::ORIGIN, &options, &mut found);
-        assert!(found.points.is_empty() && found.texts.is_empty());
-        found.lines
-    };
-    let found = lines(&world);
+    let mut found = Recorder::default();
+    world.debug_draw(origin, &options, &mut found);
+    assert!(found.points.is_empty() && found.texts.is_empty());
+    found.lines
+}
+
+fn is(line: [Vec3; 2], [a, b]: [Vec3; 2]) -> bool {
+    same(line[0], a) && same(line[1], b)
+}
+
+#[test]
+fn joints_are_drawn_with_their_limits() {
+    let (mut world, bodies, frames) = two_bodies();
+    let mut hinge = JointDef::hinge(bodies, frames);
+    hinge.axes[axis::TURN_X] = Axis::limited(-0.5 * PI, 0.25 * PI);
+    world.create_joint(&hinge).expect("room");
+    // The second body turns by a sixth of a turn about the hinge, and leaves a gap of 0.1 m.
+    let turn = Rotation::from_axis_angle(Vec3::X, -PI / 3.0);
+    world.set_pose(bodies[1], Position::at(Vec3::X * 2.1), turn).expect("a good pose");
+    let found = joints_of(&world, Position::ORIGIN);
     let of = |color: Color| found.iter().filter(move |line| line.2 == color).map(|line| [line.0, line.1]);
-    let is = |line: [Vec3; 2], [a, b]: [Vec3; 2]| same(line[0], a) && same(line[1], b);
     let (near, far) = (Vec3::X, Vec3::X * 1.1);
     let own: Vec<_> = of(colors::JOINT).collect();
     let hand = far + turn.rotate(Vec3::Y) * 0.5;
@@ -277,17 +288,18 @@ fn joints_are_drawn_with_their_limits() {
     assert!(limits.iter().all(|line| line.iter().all(|end| (end.x - 1.1).abs() < 1.0e-5)));
     let ends = [-0.5 * PI, 0.25 * PI].map(|turn| Vec3::new(0.0, cos(turn), sin(turn)) * 0.5);
     assert!(ends.iter().all(|&end| limits.iter().any(|&line| is(line, [far, far + end]))));
+}
 
-    // A rope, a slider with a limit and a cone, each alone.
-    world.remove_joint(hinge).expect("lives");
+#[test]
+fn limits_of_ropes_sliders_and_cones_are_drawn() {
+    let (mut world, bodies, frames) = two_bodies();
+    let near = Vec3::X;
     let rope = JointDef::distance(bodies, [Vec3::ZERO, Vec3::ZERO], 0.5, 3.0);
     let rope = world.create_joint(&rope).expect("room");
     let limit = |world: &OwnedWorld| {
-        lines(world)
-            .into_iter()
-            .filter(|line| line.2 == colors::JOINT_LIMIT)
-            .map(|line| [line.0, line.1])
-            .collect::<Vec<_>>()
+        let lines = joints_of(world, Position::ORIGIN).into_iter();
+        let limits = lines.filter(|line| line.2 == colors::JOINT_LIMIT);
+        limits.map(|line| [line.0, line.1]).collect::<Vec<_>>()
     };
     let found = limit(&world);
     assert!(found.len() == 1 && is(found[0], [Vec3::X * 0.5, Vec3::X * 3.0]), "{found:?}");
@@ -306,10 +318,7 @@ fn joints_are_drawn_with_their_limits() {
         let from = *end - near;
         assert!((from.length() - 0.5).abs() < 1.0e-5 && (from.x - 0.5 * cos(0.5)).abs() < 1.0e-5, "{end}");
     }
-    let far_off = Position::at(Vec3::X * 5.0e3);
-    let mut found = Recorder::default();
-    world.debug_draw(far_off, &options, &mut found);
-    assert!(found.lines.is_empty(), "out of reach");
+    assert!(joints_of(&world, Position::at(Vec3::X * 5.0e3)).is_empty(), "out of reach");
 }
 
 #[test]

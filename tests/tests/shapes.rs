@@ -6,6 +6,8 @@ mod compounds;
 mod piles;
 #[path = "shapes/rests.rs"]
 mod rests;
+#[path = "shapes/stacks.rs"]
+mod stacks;
 #[path = "shapes/surfaces.rs"]
 mod surfaces;
 

@@ -193,3 +193,91 @@ fn make_distinct(out: &mut Manifolds) {
         manifold.child < 1 << (2 * CHILD_BITS)
     });
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::collide::tree::{self, node_count};
+    use crate::math::Rotation;
+    use std::vec;
+    use std::vec::Vec;
+
+    struct Owned {
+        children: Vec<Child>,
+        nodes: Vec<Aabb>,
+        order: Vec<u32>,
+    }
+
+    impl Owned {
+        /// Balls of radius 0.1 at random places within a metre.
+        fn balls(count: usize) -> Self {
+            let mut seed = 1_u32;
+            let mut random = || {
+                seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+                (seed >> 8) as f32 / 8_388_608.0 - 1.0
+            };
+            let child = |_| {
+                let pose = Pose::new(Vec3::new(random(), random(), random()), Rotation::IDENTITY);
+                Child { kind: GEOMETRY_SPHERE, size: [0.1, 0.0, 0.0], pose }
+            };
+            let children: Vec<Child> = (0..count).map(child).collect();
+            let boxes: Vec<Aabb> =
+                children.iter().map(|c| Aabb::around(c.pose.position, Vec3::splat(c.size[0]))).collect();
+            let (mut nodes, mut order) = (vec![Aabb::EMPTY; node_count(count)], vec![0; count]);
+            tree::build(&boxes, 0..count as u32, &mut vec![0; count], &mut order, &mut nodes);
+            Self { children, nodes, order }
+        }
+
+        fn view(&self) -> Compound<'_> {
+            let tree = Tree { nodes: &self.nodes, order: &self.order };
+            Compound { children: &self.children, hulls: &[], tree }
+        }
+    }
+
+    #[test]
+    fn boxes_hold_all_children_and_little_more() {
+        for count in [1, 7, 32, 33, 500] {
+            let owned = Owned::balls(count);
+            let compound = owned.view();
+            for i in 0..20 {
+                let turn = Rotation::from_rotation_vector(Vec3::new(0.3 * i as f32, 1.0, -0.2 * i as f32));
+                let pose = Pose::new(Vec3::new(5.0, -1.0, 2.0), turn);
+                let tight = (0..count as u32).fold(Aabb::EMPTY, |sum, index| {
+                    let (solid, own) = compound.child(index);
+                    sum.union(&aabb(&solid, &pose.after(&own)))
+                });
+                let found = compound.bounds(&pose);
+                assert!(found.grown(1.0e-5).contains(&tight), "{count} {i}: {found:?} {tight:?}");
+                // Of many children by groups of them, whose boxes are turned.
+                let slack = if count <= BOUNDS_MAX { 1.0e-5 } else { 0.6 };
+                assert!(tight.grown(slack).contains(&found), "{count} {i}: {found:?} {tight:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn two_compounds_touch_as_their_children_do() {
+        let (a, b) = (Owned::balls(40), Owned::balls(60));
+        for i in 0..60 {
+            let turn = Rotation::from_rotation_vector(Vec3::new(0.1 * i as f32, 0.7, -0.3 * i as f32));
+            let pose = Pose::new(Vec3::new(1.9, 0.05 * i as f32 - 1.5, 0.3), turn);
+            let mut found = Manifolds::new();
+            collide(&a.view(), &Solid::Compound(b.view()), &pose, 0.05, &mut found);
+            let mut deepest = (f32::INFINITY, 0);
+            for (i, x) in a.children.iter().enumerate() {
+                for (j, y) in b.children.iter().enumerate() {
+                    let apart = length(pose.transform(y.pose.position) - x.pose.position) - 0.2;
+                    if apart < deepest.0 {
+                        deepest = (apart, (i as u32) << CHILD_BITS | j as u32);
+                    }
+                }
+            }
+            assert_eq!(found.is_empty(), deepest.0 > 0.05, "{i}");
+            let points = found.iter().flat_map(|m| &m.points);
+            let least = points.fold(f32::INFINITY, |least, p| min(p.separation, least));
+            assert!(found.is_empty() || (least - deepest.0).abs() < 1.0e-5, "{i}: {found:?} {deepest:?}");
+            assert!(found.windows(2).all(|pair| pair[0].child < pair[1].child), "{i}: {found:?}");
+        }
+    }
+}

@@ -9,7 +9,7 @@
 //! is the disc, the line on the side that looks along the normal, or the point of the rim that does, so nothing
 //! bumps when it rolls.
 //!
-//! In f64, so that a normal is good to 1e-6 rad also where curved sides nearly touch. Legend: `n` the unit normal
+//! In f64, so that a normal is good to 3e-5 rad also where curved sides nearly touch. Legend: `n` the unit normal
 //! from A to B, `q` a point seen along it, `h` a height along it.
 
 mod closest;
@@ -21,8 +21,8 @@ mod tests;
 use super::clip::{Candidates, face_loop, reduce_face};
 use super::polytope::BoxHull;
 use super::{HULL_VERTICES_MAX, Hull, Manifold, ManifoldPoint, Solid};
-use crate::math::{Pose, Rotation, Vec3};
-use closest::Pair;
+use crate::math::{Pose, Rotation, Vec3, max, sqrt};
+use closest::{Aim, Pair};
 use glam::DVec3;
 use patch::View;
 
@@ -33,6 +33,8 @@ const LEVEL_COSINE: f64 = 0.998_75;
 /// How much the points of the common part may miss of the depth of the closest points, as a fraction of the lesser
 /// size; a part that misses more is not where the shapes touch.
 const SLACK: f64 = 2.0e-4;
+/// Square of the angle by which a normal may be off.
+const EXACT: f64 = 1.0e-9;
 /// A direction counts as along an axis when the part across it is a smaller fraction.
 const ON_AXIS: f64 = 1.0e-12;
 /// Feature of the one closest point.
@@ -128,7 +130,9 @@ pub fn contacts(
     let radii = a.radius + b.radius;
     let limit = f64::from(distance) + radii;
     let pair = Pair::new(a, b);
-    let near = match pair.closest(limit)? {
+    let touching = depth::MARGIN * pair.lesser_size();
+    let aim = Aim { limit, touching, angle_squared: EXACT };
+    let near = match pair.closest(b.center() - a.center(), &aim)? {
         near if near.is_apart => near,
         _ => depth::least(&pair),
     };
@@ -205,8 +209,8 @@ pub fn lowest(b: &SupportShape<'_>, distance: f32, points: &mut Candidates) {
 }
 
 impl<'a> Core<'a> {
-    /// The core of a shape and the radius around it, metres; `None` for half-spaces and concave shapes, and for boxes,
-    /// whose corners are in no table.
+    /// The core of a shape and the radius around it, metres; `None` for half-spaces and concave shapes, and for
+    /// boxes, whose corners are in no table.
     pub fn new(solid: &Solid<'a>) -> Option<(Self, f64)> {
         Some(match *solid {
             Solid::Sphere { radius } => (Core::Point, f64::from(radius)),
@@ -292,10 +296,10 @@ impl<'a> SupportShape<'a> {
         let core = match &self.core {
             Core::Point => 0.0,
             Core::Segment { half_height } => *half_height,
-            Core::Hull(hull) => hull.vertices.iter().fold(0.0, |most, &vertex| {
-                let size = length(DVec3::from(vertex - hull.center));
-                if size > most { size } else { most }
-            }),
+            Core::Hull(hull) => {
+                let square = |vertex: Vec3| (vertex - hull.center).length_squared();
+                f64::from(sqrt(hull.vertices.iter().fold(0.0, |most, &vertex| max(square(vertex), most))))
+            }
             Core::Cylinder { half_height, radius } | Core::Cone { half_height, radius } => {
                 libm::sqrt(half_height * half_height + radius * radius)
             }

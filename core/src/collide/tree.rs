@@ -125,6 +125,7 @@ impl Tree<'_> {
     ///
     /// The walk keeps no stack: the box after a subtree is the next sibling, or that of the nearest ancestor that
     /// has one, and both are found from the index.
+    #[inline(always)]
     pub fn query(&self, region: &Aabb, mut visit: impl FnMut(u32)) {
         let (first, count, top) = levels(self.order.len());
         if self.order.is_empty() {

@@ -142,10 +142,10 @@ pub(crate) struct BoundRow {
 
 /// In which way a row's impulse acts: on B along `direction`, with the whitened torques `a` and `b`.
 ///
-/// The seats hold momentum, whitened by the W of the step's start, and that is what an impulse changes. Which velocity
-/// it means turns with a body of unequal moments: `w = Wn Wn W^-1 w~` with the W of now. A joint on a slender rod that
-/// leaves this out feeds the spin about the rod. So a row reads by other vectors than it writes, and
-/// `read . write` is its share of the true `J M^-1 Jt`.
+/// The seats hold momentum, whitened by the W of the step's start, and that is what an impulse changes. Which
+/// velocity it means turns with a body of unequal moments: `w = Wn Wn W^-1 w~` with the W of now. A joint on a
+/// slender rod that leaves this out feeds the spin about the rod. So a row reads by other vectors than it writes,
+/// and `read . write` is its share of the true `J M^-1 Jt`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(crate) struct Ways {

@@ -231,13 +231,6 @@ impl LaneRotation {
         }
     }
 
-    /// A vector, rotated.
-    #[inline(always)]
-    pub fn rotate(self, v: LaneVec) -> LaneVec {
-        let t = self.imaginary.cross(v).times(Lane::splat(2.0));
-        v + t.times(self.real) + self.imaginary.cross(t)
-    }
-
     /// `yes` where true, `no` where false.
     #[inline(always)]
     pub fn select(mask: Mask, yes: Self, no: Self) -> Self {
@@ -278,7 +271,7 @@ impl LaneRotation {
 
     /// Where the third axis of the frame points.
     #[inline(always)]
-    fn third(self) -> LaneVec {
+    pub fn third(self) -> LaneVec {
         let (LaneVec { x, y, z }, w) = (self.imaginary, self.real);
         let (one, two) = (Lane::splat(1.0), Lane::splat(2.0));
         LaneVec::new(two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y))
@@ -363,12 +356,6 @@ pub(crate) fn swing(frame: LaneRotation, turn: LaneVec, (near, far): (Lane, Lane
         total = LaneRotation::select(goes_on, step.after(total), total);
     }
     total
-}
-
-/// The turn that a top's momentum means now, if `turn` is that by its reference moment.
-pub(crate) fn spun(frame: LaneRotation, turn: LaneVec, (near, far): (Lane, Lane)) -> LaneVec {
-    let (second, third) = (frame.second(), frame.third());
-    turn + second.times(turn.dot(second) * near) + third.times(turn.dot(third) * far)
 }
 
 /// `m^-1 v` for a symmetric matrix (diagonal, then xy, xz, yz); 0 where it has none.
@@ -460,6 +447,32 @@ mod tests {
         let turns = libm::rintf((expected - angle) / (2.0 * crate::math::PI));
         let error = (angle + turns * 2.0 * crate::math::PI - expected).abs();
         assert!(error < 0.01, "{error}");
+    }
+
+    #[test]
+    fn a_lane_depends_on_itself_alone() {
+        // Nothing, a slow and a fast symmetric top, an uneven one in one part, and one in many with large angles.
+        let cases = [(0.0, 0.0, 0.1), (0.0, 0.7, 0.2), (0.0, -0.4, 2.5), (0.3, -0.4, 0.2), (0.2, 0.9, 3.0)];
+        let row = |present: &dyn Fn(usize) -> bool| {
+            let mut frame = LaneRotation { imaginary: LaneVec::ZERO, real: Lane::splat(1.0) };
+            let (mut turn, mut near, mut far) = (LaneVec::ZERO, Lane::ZERO, Lane::ZERO);
+            for (lane, &(n, f, size)) in cases.iter().enumerate().filter(|(lane, _)| present(*lane)) {
+                let tilt = 0.2 + 0.3 * lane as f32;
+                frame.set(lane, Rotation::new(tilt, -0.4, 0.3, 0.7).normalized());
+                turn.set(lane, Vec3::new(0.5, -0.7, 0.6) * size);
+                near.set(lane, n);
+                far.set(lane, f);
+            }
+            let whole = LaneRotation::by(turn).after(swing(frame, turn, (near, far)));
+            (whole.after(frame).renormalized(), whole.vector())
+        };
+        let (together, vectors) = row(&|_| true);
+        for lane in 0..cases.len() {
+            let (alone, vector) = row(&|other| other == lane);
+            assert_eq!(alone.get(lane), together.get(lane), "{lane}");
+            assert_eq!(vector.get(lane), vectors.get(lane), "{lane}");
+            assert!((alone.get(lane).norm_squared() - 1.0).abs() < 1.0e-6, "{lane}");
+        }
     }
 
     #[test]

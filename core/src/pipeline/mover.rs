@@ -4,7 +4,7 @@
 //! is data, and a row without tops skips what only tops need.
 
 use crate::body::{BodyRow, Motion};
-use crate::collide::vector64::{Vector, cross, dot, to_f64, to_vec3};
+use crate::collide::vector64::{Vector, dot, to_f64, to_vec3};
 use crate::config::{LINEAR_SPEED_MAX, TURN_MAX};
 use crate::constraint::velocities::root_times;
 use crate::lanes::{LANES, Lane, LaneVec, Words, transpose, transpose_back};
@@ -141,10 +141,14 @@ impl MoverRow {
             turn = root_times(&self.turn, whitened);
         }
         let h = Lane::splat(substep);
-        let nudge = if nudges { self.take_nudges(seats, turn, substep) } else { Nudge::NONE };
+        let nudge = if nudges { self.take_nudges(seats, substep) } else { Nudge::NONE };
         let moved = (v + nudge.linear).times(h);
         self.displacement = self.displacement + moved;
+        let before = self.frame.third();
         let turned = self.turn_by(turn, whitened.times(h), &nudge);
+        if nudge.any && self.tops != 0 {
+            self.take_back(seats, (before, nudge.momentum));
+        }
         let zero = Lane::ZERO;
         let rows = transpose_back([moved.x, moved.y, moved.z, zero, turned.x, turned.y, turned.z, zero]);
         for (seat, moved) in seats.iter_mut().zip(rows) {
@@ -155,6 +159,7 @@ impl MoverRow {
     /// Turns the bodies. `whitened` is the whitened rotation vector of those that are no tops; returns that of all.
     #[inline(always)]
     fn turn_by(&mut self, turn: LaneVec, whitened: LaneVec, nudge: &Nudge) -> LaneVec {
+        let turn = turn + nudge.momentum;
         let mut rotation = LaneRotation::by(turn);
         if nudge.any {
             rotation = LaneRotation::by(nudge.turn).after(rotation);
@@ -172,26 +177,37 @@ impl MoverRow {
         turned
     }
 
-    /// The nudges that joints have left in the seats, for a substep. A top that is nudged takes its momentum with it:
-    /// if that stayed in the world, a slender body would gain spin about its axis from every correction.
+    /// The nudges that joints have left in the seats, as motion of a substep. A top is moved by the momentum that it
+    /// would have with them.
     #[cold]
-    fn take_nudges(&mut self, seats: &mut [Seat; LANES], momentum: LaneVec, substep: f32) -> Nudge {
+    fn take_nudges(&self, seats: &[Seat; LANES], substep: f32) -> Nudge {
         let n = transpose([0, 1, 2, 3, 4, 5, 6, 7].map(|lane: usize| seats[lane].moved));
         let (linear, whitened) = (LaneVec::new(n[0], n[1], n[2]), LaneVec::new(n[4], n[5], n[6]));
-        let mut turn = root_times(&self.turn, whitened);
-        if self.tops != 0 {
-            let tops = self.top.greater(Lane::ZERO);
-            turn = tops.select_vec(integration::spun(self.frame, turn, (self.near, self.far)), turn);
-            let change = LaneRotation::by(turn).rotate(momentum) - momentum;
-            let change = tops.keep_vec(integration::solve(&self.turn, change));
-            let zero = Lane::ZERO;
-            let rows = transpose_back([zero, zero, zero, zero, change.x, change.y, change.z, zero]);
-            for ((seat, star), change) in seats.iter_mut().zip(&mut self.star).zip(rows) {
-                seat.velocity = seat.velocity + change;
-                *star = *star + change;
-            }
+        let turn = root_times(&self.turn, whitened);
+        let tops = self.top.greater(Lane::ZERO);
+        let (momentum, turn) = (tops.keep_vec(turn), tops.select_vec(LaneVec::ZERO, turn));
+        Nudge { linear, momentum, turn, whitened: whitened.times(Lane::splat(substep)), any: true }
+    }
+
+    /// Takes back from tops what a nudge gave: as it stands to the body now that this has turned. What was given
+    /// across the axis `before`, that of the moment which stands out, is taken across that axis, so that no
+    /// correction spins a slender body about it. (Turning the whole momentum instead is a torque on a fast top.)
+    #[cold]
+    fn take_back(&mut self, seats: &mut [Seat; LANES], (before, momentum): (LaneVec, LaneVec)) {
+        // The least rotation from one axis to the other: v + c x v + c x (c x v) / (1 + a . b) with c = a x b.
+        let after = self.frame.third();
+        let across = before.cross(after);
+        let one = Lane::splat(1.0);
+        let share = one / (one + before.dot(after)).greatest(Lane::splat(1.0e-3));
+        let turned = across.cross(momentum);
+        let change = integration::solve(&self.turn, turned + across.cross(turned).times(share));
+        let change = self.top.greater(Lane::ZERO).keep_vec(change);
+        let zero = Lane::ZERO;
+        let rows = transpose_back([zero, zero, zero, zero, change.x, change.y, change.z, zero]);
+        for ((seat, star), change) in seats.iter_mut().zip(&mut self.star).zip(rows) {
+            seat.velocity = seat.velocity - change;
+            *star = *star - change;
         }
-        Nudge { linear, turn, whitened: whitened.times(Lane::splat(substep)), any: true }
     }
 
     /// Caps speed and spin at the documented maxima.
@@ -238,7 +254,9 @@ impl MoverRow {
 struct Nudge {
     /// m/s.
     linear: LaneVec,
-    /// Rotation vector of the substep, radians.
+    /// Of tops, added to the turn that all their axes share.
+    momentum: LaneVec,
+    /// Of the others: rotation vector of the substep, radians.
     turn: LaneVec,
     /// The same whitened, of bodies that are no tops.
     whitened: LaneVec,
@@ -246,8 +264,13 @@ struct Nudge {
 }
 
 impl Nudge {
-    const NONE: Self =
-        Self { linear: LaneVec::ZERO, turn: LaneVec::ZERO, whitened: LaneVec::ZERO, any: false };
+    const NONE: Self = Self {
+        linear: LaneVec::ZERO,
+        momentum: LaneVec::ZERO,
+        turn: LaneVec::ZERO,
+        whitened: LaneVec::ZERO,
+        any: false,
+    };
 }
 
 /// True when a body of unequal moments turns about all axes.
@@ -323,30 +346,32 @@ pub(crate) fn angular_velocity(
     to_vec3(end.apply(core::array::from_fn(|i| local[i] / inertia[i])))
 }
 
-/// A rotation in double precision. Its quaternion may have any length.
-struct Turn {
-    imaginary: Vector,
-    real: f64,
-    /// 2 over the square of the length.
-    scale: f64,
-}
+/// A rotation in double precision: the rows of its matrix.
+struct Turn([Vector; 3]);
 
 impl Turn {
+    /// Of a quaternion of any length.
     fn of(q: Rotation) -> Self {
-        let (imaginary, real) = (to_f64(q.imaginary()), f64::from(q.w));
-        Self { imaginary, real, scale: 2.0 / (dot(imaginary, imaginary) + real * real) }
+        let ([x, y, z], w) = (to_f64(q.imaginary()), f64::from(q.w));
+        let scale = 2.0 / (x * x + y * y + z * z + w * w);
+        let (sx, sy, sz) = (x * scale, y * scale, z * scale);
+        let (xx, yy, zz) = (x * sx, y * sy, z * sz);
+        let (xy, xz, yz) = (x * sy, x * sz, y * sz);
+        let (wx, wy, wz) = (w * sx, w * sy, w * sz);
+        Self([
+            [1.0 - (yy + zz), xy - wz, xz + wy],
+            [xy + wz, 1.0 - (xx + zz), yz - wx],
+            [xz - wy, yz + wx, 1.0 - (xx + yy)],
+        ])
     }
 
     fn apply(&self, v: Vector) -> Vector {
-        let t = cross(self.imaginary, v);
-        let u = cross(self.imaginary, t);
-        core::array::from_fn(|i| v[i] + (u[i] + t[i] * self.real) * self.scale)
+        self.0.map(|row| dot(row, v))
     }
 
     fn undo(&self, v: Vector) -> Vector {
-        let t = cross(self.imaginary, v);
-        let u = cross(self.imaginary, t);
-        core::array::from_fn(|i| v[i] + (u[i] - t[i] * self.real) * self.scale)
+        let [a, b, c] = self.0;
+        core::array::from_fn(|i| a[i] * v[0] + b[i] * v[1] + c[i] * v[2])
     }
 }
 

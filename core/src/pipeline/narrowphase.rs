@@ -22,16 +22,16 @@ use bytemuck::Zeroable;
 const COLLIDE_PAIRS: usize = 64;
 
 /// Finds the contacts of the step. Says which began and ended. `moved` shapes are listed in the scratch: new and
-/// changed ones are among them.
+/// changed ones are among them. `woken` contacts are back from sleep, and listed too.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt, moved): (&AssetTables<'_>, f32, usize),
+    (assets, dt, moved, woken): (&AssetTables<'_>, f32, usize, usize),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
     let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
-    let change = contacts::merge(state, (cache, scratch), &yields, (crew, counts));
+    let change = contacts::merge(state, (cache, scratch), (&yields, woken), (crew, counts));
     for &slot in &scratch.moved[..moved] {
         state.shapes[slot as usize].flags &= !FRESH;
     }
@@ -50,7 +50,6 @@ fn collide_pairs<E: Executor>(
     let look = Look {
         scene: Scene {
             shapes: state.shapes,
-            bodies: state.bodies,
             motions: state.motions,
             frames: scratch.frames,
             reaches: scratch.reaches,
@@ -127,10 +126,10 @@ impl Look<'_> {
     }
 
     /// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one.
-    fn are_exchanged(&self, (a, b): (&ShapeRow, &ShapeRow)) -> bool {
-        let dynamic = |shape: &ShapeRow| self.scene.bodies[shape.body as usize].is_dynamic();
+    fn are_exchanged(&self, [a, b]: [u32; 2]) -> bool {
+        let dynamic = |slot: u32| self.scene.is_dynamic(slot);
         // Spheres come before capsules, cylinders and cones, and those before all others.
-        let edges = |shape: &ShapeRow| match shape.kind {
+        let edges = |slot: u32| match self.shape(slot).kind {
             GEOMETRY_CYLINDER | GEOMETRY_CONE => GEOMETRY_CAPSULE,
             kind => kind.min(GEOMETRY_BOX),
         };
@@ -240,7 +239,7 @@ impl Task<'_> {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
         let meeting = Meeting::new(&look.scene, slots, look.dt);
-        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(shapes) };
+        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots) };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);
@@ -286,8 +285,8 @@ impl Task<'_> {
         }
     }
 
-    /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row stays as
-    /// it is, and only where the points are is new.
+    /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row stays
+    /// as it is, and only where the points are is new.
     fn goes_on(&mut self, found: &Found<'_>, first: usize, manifolds: &Manifolds) -> bool {
         let ([row], [manifold]) = (&self.rows[first..self.next], manifolds.as_slice()) else { return false };
         let mut features = [0; POINTS_MAX];

@@ -5,7 +5,7 @@
 //! order serves as long as its shapes are the same ones, so nothing is sorted. The tree of static shapes is
 //! built anew only when one of them changed. The state is only read; what is written is cache.
 
-use crate::body::{BodyKind, CHANGED_SECTOR, Position};
+use crate::body::{CHANGED_SECTOR, Position};
 use crate::collide::{bounds, tree};
 use crate::math::{Aabb, Pose, Vec3, max, max_each, min};
 use crate::pipeline::broadphase::{first_sector, tree_box};
@@ -64,11 +64,11 @@ pub(crate) fn refresh(
     cache.header[0].queried = 1;
 }
 
-/// Slots of the shapes of static bodies, or of the others.
+/// Slots of the shapes of bodies that rest (static or asleep), or of the others.
 fn shapes<'a>(state: &'a State<'_>, is_static: bool) -> impl Iterator<Item = u32> + 'a {
     crate::pool::iterate(state.shape_used, state.header[0].shapes.high).filter(move |&slot| {
         let body = state.shapes[slot as usize].body as usize;
-        (state.bodies[body].kind() == BodyKind::Static) == is_static
+        state.bodies[body].rests() == is_static
     })
 }
 

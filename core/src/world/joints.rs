@@ -1,7 +1,7 @@
 //! Creating, changing and reading joints.
 
 use super::World;
-use super::bodies::mark_shapes;
+use super::bodies::{mark_shapes, wake_slot};
 use crate::arena::Line;
 use crate::body::turned_frame;
 use crate::error::Error;
@@ -18,9 +18,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Joins two bodies.
     ///
     /// # Errors
-    /// [`Error::Stale`] body; [`Error::Full`], also when the joints have more than four limits, drives and frictions
-    /// each on average; [`Error::OutOfRange`] for a body with itself, or a number of the definition is refused; see
-    /// [`JointDef`].
+    /// [`Error::Stale`] body; [`Error::Full`], also when the joints have more than four limits, drives and
+    /// frictions each on average; [`Error::OutOfRange`] for a body with itself, or a number of the definition is
+    /// refused; see [`JointDef`].
     pub fn create_joint(&mut self, def: &JointDef) -> Result<JointHandle, Error> {
         def.check()?;
         let slots = [self.body_slot(def.bodies[0])? as u32, self.body_slot(def.bodies[1])? as u32];
@@ -123,18 +123,19 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(())
     }
 
-    /// Changes one axis of a joint: its limits, its drive. Cheaper than [`World::set_joint`]; for motors and the like.
+    /// Changes one axis of a joint: its limits, its drive. Cheaper than [`World::set_joint`]; for motors and the
+    /// like.
     ///
     /// # Errors
-    /// [`Error::Stale`], [`Error::Full`] as for [`World::create_joint`], or a number is refused; an index above 5 is
-    /// [`Error::OutOfRange`].
+    /// [`Error::Stale`], [`Error::Full`] as for [`World::create_joint`], or a number is refused; an index above 5
+    /// is [`Error::OutOfRange`].
     pub fn set_joint_axis(&mut self, joint: JointHandle, index: usize, axis: &Axis) -> Result<(), Error> {
         let slot = self.joint_slot(joint)?;
         axis.check()?;
         if index > 5 {
             return Err(Error::OutOfRange { name: "index" });
         }
-        let state = self.state_view();
+        let mut state = self.state_view();
         let mut row = state.joints[slot];
         let before = row.signature().bound_rows() as u32;
         row.axes[index].define(axis);
@@ -143,6 +144,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         state.header[0].joint_bounds = state.header[0].joint_bounds - before + after;
         row.drop_unused();
         state.joints[slot] = row;
+        row.bodies.iter().for_each(|&body| wake_slot(&mut state, body as usize));
         Ok(())
     }
 
@@ -173,8 +175,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(self.joint_row(joint)?.torque)
     }
 
-    /// How B's frame stands in A's: shifts along A's axes, metres, then turns about x, y and z, radians in ±pi (y in
-    /// ±pi/2). A distance joint has the distance first. See [`crate::joint`].
+    /// How B's frame stands in A's: shifts along A's axes, metres, then turns about x, y and z, radians in ±pi (y
+    /// in ±pi/2). A distance joint has the distance first. See [`crate::joint`].
     pub fn joint_coordinates(&self, joint: JointHandle) -> Result<[f32; 6], Error> {
         let row = self.joint_row(joint)?;
         let [a, b] = self.joint_frames(row);
@@ -227,6 +229,7 @@ fn check_bounds(state: &State<'_>, before: u32, after: u32) -> Result<(), Error>
 fn meet_again(state: &mut State<'_>, bodies: [u32; 2]) {
     for body in bodies {
         mark_shapes(state, body as usize, BOX_STALE);
+        wake_slot(state, body as usize);
     }
 }
 
@@ -283,8 +286,8 @@ pub(super) fn remove_joints_of(state: &mut State<'_>, body: u32) {
     }
 }
 
-/// True when a joint keeps the shapes of two bodies from meeting. Walks both lists at once, so that a hub costs no more
-/// than the other body.
+/// True when a joint keeps the shapes of two bodies from meeting. Walks both lists at once, so that a hub costs
+/// no more than the other body.
 pub(crate) fn are_joined(state: &State<'_>, a: u32, b: u32) -> bool {
     let first = |body: u32| state.first_joints.get(body as usize).copied().unwrap_or(0);
     let (mut of_a, mut of_b) = (first(a), first(b));

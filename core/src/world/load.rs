@@ -1,6 +1,7 @@
 //! Taking state from bytes of unknown origin: accepted exactly, or refused.
 
 mod joints;
+mod sleep;
 
 use super::World;
 use super::snapshot::{Section, check_content, parts};
@@ -58,6 +59,8 @@ struct Parts<'a> {
     shape_used: Rows<'a, u64>,
     pairs: Rows<'a, Pair>,
     contacts: Rows<'a, ContactRow>,
+    asleep_pairs: Rows<'a, Pair>,
+    asleep_contacts: Rows<'a, ContactRow>,
     dirt: Rows<'a, u8>,
     joints: Rows<'a, JointRow>,
     joint_generations: Rows<'a, u32>,
@@ -106,6 +109,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             shape_used,
             pairs,
             contacts,
+            asleep_pairs,
+            asleep_contacts,
             _,
             dirt,
             joints,
@@ -124,6 +129,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             shape_used: Rows::new(shape_used),
             pairs: Rows::new(pairs),
             contacts: Rows::new(contacts),
+            asleep_pairs: Rows::new(asleep_pairs),
+            asleep_contacts: Rows::new(asleep_contacts),
             dirt: Rows::new(dirt),
             joints: Rows::new(joints),
             joint_generations: Rows::new(joint_generations),
@@ -164,6 +171,7 @@ impl Parts<'_> {
         self.check_lists()?;
         self.check_pairs()?;
         self.check_contacts(&limits.tables)?;
+        self.check_sleep(&limits.tables)?;
         self.check_joints(limits)
     }
 
@@ -276,8 +284,14 @@ impl Parts<'_> {
         let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
         // Shapes that are looked for again are taken out of the pairs before anything reads them.
         let renewed = (a.flags | b.flags) & BOX_STALE != 0;
+        renewed || self.can_meet(pair)
+    }
+
+    /// True when two shapes that live can make contacts at all.
+    fn can_meet(&self, pair: Pair) -> bool {
+        let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
         let dynamic = |s: &ShapeRow| self.bodies.get(s.body).is_dynamic();
-        renewed || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && !(a.is_surface() && b.is_surface()))
+        a.body != b.body && (dynamic(&a) || dynamic(&b)) && !(a.is_surface() && b.is_surface())
     }
 
     fn check_contacts(&self, assets: &AssetTables<'_>) -> Checked {
@@ -291,6 +305,11 @@ impl Parts<'_> {
     }
 
     fn contact_holds(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
+        usize::from(row.tag.phase()) < CELLULAR_PHASES_MAX && self.contact_is_sound(row, assets)
+    }
+
+    /// The same for a contact with or without a phase.
+    fn contact_is_sound(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
         let impulse = |x: f32| x.is_finite() && x >= 0.0 && x.to_bits() != (-0.0_f32).to_bits();
         let unused = row.tag.points().min(4)..4;
         row.pair.a < row.pair.b
@@ -299,7 +318,6 @@ impl Parts<'_> {
             && row.impulses.iter().all(|&x| impulse(x))
             && row.impulses[unused.clone()].iter().all(|&x| x == 0.0)
             && self.memory_holds(row, assets)
-            && usize::from(row.tag.phase()) < CELLULAR_PHASES_MAX
             && row.friction.is_finite()
             && row.twist.is_finite()
     }

@@ -1,7 +1,7 @@
 //! Creating, changing and reading shapes.
 
 use super::World;
-use super::bodies::mark_shapes;
+use super::bodies::{mark_shapes, wake_slot};
 use crate::arena::Line;
 use crate::body::BodyKind;
 use crate::error::Error;
@@ -29,6 +29,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             .ok_or(Error::Full { name: "shapes" })?;
         state.shapes[slot as usize] = ShapeRow::new(body_slot as u32, def);
         append(&mut state, body_slot, slot);
+        wake_slot(&mut state, body_slot);
         let handle = ShapeHandle { index: slot, generation: state.shape_generations[slot as usize] };
         self.touch_trees();
         self.update_mass(body_slot);
@@ -43,6 +44,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let slot = self.shape_slot(shape)?;
         let mut state = self.state_view();
         let body = state.shapes[slot].body as usize;
+        wake_slot(&mut state, body);
         unlink(&mut state, body, slot as u32);
         state.shapes[slot] = Zeroable::zeroed();
         pool::release(&mut state.header[0].shapes, state.shape_used, slot as u32);
@@ -117,11 +119,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         validate::pose("pose", pose)?;
         let body = self.body_of(shape)?;
         self.check_geometry(geometry, self.kind(body)?)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
         let row = &mut state.shapes[slot];
         row.set_geometry(geometry);
         row.pose = Pose::new(pose.position, pose.rotation.normalized());
         row.flags |= BOX_STALE | FRESH;
+        wake_slot(&mut state, body.index as usize);
         self.touch_trees();
         self.update_mass(body.index as usize);
         Ok(())
@@ -149,9 +152,11 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn set_material(&mut self, shape: ShapeHandle, friction: f32, restitution: f32) -> Result<(), Error> {
         let slot = self.shape_slot(shape)?;
         check_material(friction, restitution)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
         let row = &mut state.shapes[slot];
         (row.friction, row.restitution) = (friction, restitution);
+        let body = row.body as usize;
+        wake_slot(&mut state, body);
         Ok(())
     }
 
@@ -165,6 +170,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         state.shapes[slot].filter = filter;
         let body = state.shapes[slot].body as usize;
         mark_shapes(&mut state, body, BOX_STALE);
+        wake_slot(&mut state, body);
         self.touch_trees();
         Ok(())
     }

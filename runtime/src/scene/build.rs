@@ -298,6 +298,7 @@ fn body_def(doc: &BodyDoc) -> BodyDef {
         linear_damping: doc.linear_damping,
         angular_damping: doc.angular_damping,
         gravity_scale: doc.gravity_scale,
+        can_sleep: doc.can_sleep,
         locks: locks.fold(AxisLocks::NONE, AxisLocks::and),
         mass: doc.mass.as_ref().map(|mass| MassProperties {
             mass: mass.mass,

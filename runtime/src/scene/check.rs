@@ -101,6 +101,8 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
         ("contact_damping_ratio", doc.contact_damping_ratio, 1.0e3),
         ("push_speed", doc.push_speed, 1.0e4),
         ("restitution_threshold", doc.restitution_threshold, 1.0e4),
+        ("sleep_time", doc.sleep_time, 3600.0),
+        ("sleep_speed", doc.sleep_speed, 1.0e4),
     ];
     for (name, value, high) in numbers {
         value.map_or(Ok(()), |x| range(place.key(name), x, 0.0, high))?;

@@ -110,6 +110,12 @@ pub struct SettingsDoc {
     /// Links of a block of the cellular ordering.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block_links: Option<u32>,
+    /// Seconds of rest until an island falls asleep; 0 for never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sleep_time: Option<f32>,
+    /// Slower bodies are at rest, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sleep_speed: Option<f32>,
 }
 
 /// How a contact removes overlap.
@@ -322,6 +328,9 @@ pub struct BodyDoc {
     /// Mass in place of what the shapes and their densities give.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<MassDoc>,
+    /// Whether it may fall asleep.
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
+    pub can_sleep: bool,
     /// The game's own number.
     #[serde(default, skip_serializing_if = "is_default")]
     pub user: u64,
@@ -343,6 +352,7 @@ impl Default for BodyDoc {
             gravity_scale: 1.0,
             locks: Vec::new(),
             mass: None,
+            can_sleep: true,
             user: 0,
             shapes: Vec::new(),
         }
@@ -531,6 +541,8 @@ impl SettingsDoc {
         set(&mut settings.push_speed, self.push_speed);
         set(&mut settings.restitution_threshold, self.restitution_threshold);
         set(&mut settings.block_links, self.block_links);
+        set(&mut settings.sleep_time, self.sleep_time);
+        set(&mut settings.sleep_speed, self.sleep_speed);
     }
 }
 
@@ -538,6 +550,15 @@ fn set<T>(field: &mut T, value: Option<T>) {
     if let Some(value) = value {
         *field = value;
     }
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_true(x: &bool) -> bool {
+    *x
 }
 
 fn version_default() -> u32 {

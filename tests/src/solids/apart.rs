@@ -1,4 +1,4 @@
-//! How far two convex sets are apart, or how deep they overlap, by convex minimisation of their closed-form distances.
+//! How far two convex sets are apart, or how deep they overlap, by convex minimisation of their distances.
 
 use super::Solid;
 use crate::oracles::{Wide, cross, dot, minus, norm, plus};
@@ -11,8 +11,8 @@ const ELLIPSOIDS: usize = 600;
 const PRECISE: f64 = 1.0e-8;
 
 impl Solid {
-    /// How near a set is to another: about their distance when they are apart, never more than it; negative when they
-    /// overlap, about as deep as they do (but a triangle by how deep it is in the other).
+    /// How near a set is to another: about their distance when they are apart, never more than it; negative when
+    /// they overlap, about as deep as they do (but a triangle by how deep it is in the other).
     pub fn separation(&self, other: &Self) -> f64 {
         match (self, other) {
             (Solid::Ball(center, radius), _) => other.distance(*center) - radius,

@@ -54,9 +54,13 @@ fn rests(world: &mut OwnedWorld) -> Vec<Rest> {
     ]
 }
 
-fn stays(rest: &Rest, world: &mut OwnedWorld) -> (BodyHandle, f64, f64) {
+fn put(rest: &Rest, world: &mut OwnedWorld) -> BodyHandle {
     let def = BodyDef { rotation: rest.pose.rotation, ..BodyDef::new(BodyKind::Dynamic, rest.pose.position) };
-    let (body, _) = add(world, &def, &ShapeDef::new(rest.geometry));
+    add(world, &def, &ShapeDef::new(rest.geometry)).0
+}
+
+/// Rms speed and drift over two seconds, after two.
+fn stays(body: BodyHandle, world: &mut OwnedWorld) -> (f64, f64) {
     run(world, 120);
     let before = center(world, body);
     let mut square = 0.0;
@@ -66,7 +70,7 @@ fn stays(rest: &Rest, world: &mut OwnedWorld) -> (BodyHandle, f64, f64) {
     }
     let after = center(world, body);
     let drift = norm([0, 1, 2].map(|i| after[i] - before[i]));
-    (body, (square / 120.0).sqrt(), drift)
+    ((square / 120.0).sqrt(), drift)
 }
 
 #[test]
@@ -74,9 +78,12 @@ fn every_shape_rests_on_every_floor() {
     for floor in FLOORS {
         for index in 0..9 {
             let mut world = world();
-            let under = floor.build(&mut world, Rotation::IDENTITY);
             let rest = rests(&mut world).swap_remove(index);
-            let (body, speed, drift) = stays(&rest, &mut world);
+            // The floor's shape comes first, or the body's.
+            let early = (index % 2 == 0).then(|| floor.build(&mut world, Rotation::IDENTITY));
+            let body = put(&rest, &mut world);
+            let under = early.unwrap_or_else(|| floor.build(&mut world, Rotation::IDENTITY));
+            let (speed, drift) = stays(body, &mut world);
             let name = format!("{} on a {floor:?}", rest.name);
             println!("{name}: rms speed {speed:.1e}, drift {drift:.1e} m");
             assert!(speed < 2.0e-4, "{name}: rms speed {speed}");

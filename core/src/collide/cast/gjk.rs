@@ -18,6 +18,8 @@ const CONVERGED: f64 = 1.0e-11;
 const ROUNDING: f64 = 1.0e-14;
 /// A triangle or tetrahedron whose height is below this fraction of its edge counts as flat.
 const FLAT: f64 = 1.0e-12;
+/// As does a tetrahedron whose height is below this fraction of its coordinates.
+const NOISE: f64 = 1.0e-14;
 
 /// A point of the Minkowski difference.
 #[derive(Clone, Copy, Debug, Default)]
@@ -187,8 +189,8 @@ fn segment(a: Corner, b: Corner) -> Simplex {
 }
 
 fn triangle(a: Corner, b: Corner, c: Corner) -> Simplex {
-    // From the corner across the longest edge: on curved sides triangles become slivers, and the product of their two
-    // long edges would be rounding.
+    // From the corner across the longest edge: on curved sides triangles become slivers, and the product of their
+    // two long edges would be rounding.
     let square = |from: &Corner, to: &Corner| (to.point - from.point).dot(to.point - from.point);
     let (of_a, of_b, of_c) = (square(&b, &c), square(&c, &a), square(&a, &b));
     let [a, b, c] = if of_a >= of_b && of_a >= of_c {
@@ -223,7 +225,10 @@ fn tetrahedron(corners: &[Corner; 4]) -> Option<Simplex> {
         let n = (b.point - a.point).cross(c.point - a.point);
         let to_opposite = corners[opposite].point - a.point;
         let inner = n.dot(to_opposite);
-        let flat = inner * inner <= FLAT * FLAT * n.dot(n) * to_opposite.dot(to_opposite);
+        // Corners on curved sides come close together: then the rounding of the points they are the differences of
+        // counts, and a sign means nothing.
+        let noise = NOISE * (length(a.on_a) + length(a.point)) + FLAT * length(to_opposite);
+        let flat = inner.abs() <= noise * length(n);
         let origin = n.dot(-a.point);
         if flat || (origin > 0.0) != (inner > 0.0) {
             let face = triangle(a, b, c);

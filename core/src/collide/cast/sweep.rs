@@ -182,7 +182,15 @@ fn convex(other: &Core<'_>, moving: &Moving<'_>, (limit, child): (f64, u32)) -> 
             return None;
         }
         pair.shift(moving.direction * ahead, &mut simplex);
-        let next = pair.separation(&mut simplex);
+        let mut next = pair.separation(&mut simplex);
+        let mut back = touch / closing;
+        while next.distance <= 0.0 && back < ahead {
+            // Rounding made an overlap of the touch: a little less far there are nearest points.
+            way -= back;
+            pair.shift(moving.direction * -back, &mut simplex);
+            next = pair.separation(&mut simplex);
+            back *= 4.0;
+        }
         // What overlaps by rounding has no direction: that of the step before serves.
         let direction = if next.distance > 0.0 { next.direction } else { found.direction };
         found = Separation { direction, ..next };

@@ -1,4 +1,4 @@
-//! The direction in which two overlapping cores are pushed apart by the least way.
+//! The direction in which two cores that overlap or nearly touch are pushed apart by the least way.
 //!
 //! Along a unit vector `n` the cores are `s(n) = min_b n . x - max_a n . x` apart, which is negative while they
 //! overlap; the least depth is the maximum of `s`. Directions that shapes often touch along are tried first: faces,
@@ -10,22 +10,27 @@
 //! A maximum is a fixed point, reached at once where it is a face's, and else by a factor of depth over radius of
 //! curvature each time. Every step must raise `s`, so the result is never worse than the best direction tried.
 
-use super::closest::{Near, Pair};
+use super::closest::{Aim, Near, Pair};
 use super::{Core, SupportShape, length};
 use glam::DVec3;
 
-/// Refinements: for depths of a tenth of the radius, 1e-6 rad.
+/// Refinements: each takes off a factor of depth over radius.
 const REFINEMENTS: usize = 8;
-/// How far apart the cores are pushed, as a fraction of the lesser size.
-const MARGIN: f64 = 1.0e-3;
+/// How far apart the cores are pushed, as a fraction of the lesser size. Of cores that are nearer than this the
+/// normal is found here too: that of closest points is a difference, which has few digits when they nearly touch.
+pub(super) const MARGIN: f64 = 1.0e-2;
 /// A direction must beat another by this fraction of the lesser size: noise shall not choose.
 const BETTER: f64 = 1.0e-7;
+/// Square of the angle by which a refined normal may be off, before the next refinement.
+const REFINED: f64 = 1.0e-9;
+/// The same for a direction to start from.
+const ROUGH: f64 = 1.0e-3;
 /// Factors by which cores are made smaller.
 const SCALES: [f64; 3] = [0.9, 0.5, 0.1];
 
 /// Depths up to this fraction of the lesser size have the best direction tried as their start; deeper ones have
 /// several ways out, and the best of every group of directions is refined.
-const SHALLOW: f64 = 0.05;
+const SHALLOW: f64 = 0.1;
 /// Groups of directions.
 const GROUPS: usize = 4;
 
@@ -43,7 +48,7 @@ struct Search<'a, 'b> {
     better: f64,
 }
 
-/// The least depth of two overlapping cores. `is_apart` stays false.
+/// The least depth of two cores that overlap or nearly touch. `is_apart` stays false.
 pub(super) fn least(pair: &Pair<'_>) -> Near {
     let better = BETTER * pair.lesser_size();
     let mut groups: heapless::Vec<Try, GROUPS> = heapless::Vec::new();
@@ -90,9 +95,12 @@ impl Search<'_, '_> {
                 }
             }
             _ => {
-                let smaller = SCALES.map(|scale| Pair { scale, ..*pair });
-                let apart =
-                    smaller.iter().find_map(|pair| pair.closest(f64::INFINITY).filter(|near| near.is_apart));
+                let aim = Aim { limit: f64::INFINITY, touching: 0.0, angle_squared: ROUGH };
+                let start = pair.b.center() - pair.a.center();
+                let apart = SCALES.iter().find_map(|&scale| {
+                    let smaller = Pair { scale, ..*pair };
+                    smaller.closest(start, &aim).filter(|near| near.is_apart)
+                });
                 if let Some(near) = apart {
                     self.try_direction(near.normal);
                 }
@@ -151,10 +159,12 @@ impl Search<'_, '_> {
     fn refined(mut self) -> Near {
         let mut witness = None;
         let margin = MARGIN * self.pair.lesser_size();
+        let aim = Aim { limit: f64::INFINITY, touching: 0.0, angle_squared: REFINED };
         for _ in 0..REFINEMENTS {
             let shift = self.best.normal * (margin - self.best.apart);
             let pushed = Pair { shift, ..*self.pair };
-            let Some(near) = pushed.closest(f64::INFINITY).filter(|near| near.is_apart) else { break };
+            let near = pushed.closest(self.best.normal, &aim);
+            let Some(near) = near.filter(|near| near.is_apart) else { break };
             witness = Some((near.on_a, near.on_b - shift));
             if !self.try_unit(near.normal) {
                 break;

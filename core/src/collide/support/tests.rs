@@ -348,3 +348,60 @@ fn discs_that_overhang_touch_within_both_outlines() {
         }
     }
 }
+
+#[test]
+fn boxes_are_tight() {
+    let rock = rock();
+    let kinds = kinds(&rock);
+    let mut dice = Dice(9);
+    for solid in &kinds[..3] {
+        for _ in 0..200 {
+            let pose = dice.pose(2.0);
+            let bounds = crate::collide::bounds::aabb(solid, &pose);
+            for (i, axis) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+                let (high, low) = (reach(solid, &pose, axis), -reach(solid, &pose, -axis));
+                assert!((f64::from(bounds.max[i]) - high).abs() < 1.0e-6, "{solid:?} {pose:?}: {bounds:?}");
+                assert!((f64::from(bounds.min[i]) - low).abs() < 1.0e-6, "{solid:?} {pose:?}: {bounds:?}");
+            }
+        }
+    }
+}
+
+/// Needles, coins and specks at all sizes, deep in each other or apart: results are finite. Where a shape is not
+/// absurdly slender, the shapes are that far apart along the normal that is claimed.
+#[test]
+fn extreme_sizes_give_finite_results() {
+    let mut dice = Dice(10);
+    let (mut touching, mut compared) = (0, 0);
+    for i in 0..8000 {
+        let sizes = [0; 7].map(|_| [1.0e-5, 1.0e-2, 1.0, 3.0e2, 1.0e5][(dice.roll() * 5.0) as usize]);
+        let solid = |kind: u32, [half_height, radius, z]: [f32; 3]| match kind {
+            0 => Solid::Cylinder { half_height, radius },
+            1 => Solid::Cone { half_height, radius },
+            2 => Solid::Sphere { radius },
+            3 => Solid::Capsule { half_height, radius },
+            _ => Solid::Box { half_extents: Vec3::new(half_height, radius, z) },
+        };
+        let a = solid(i % 2, [sizes[0], sizes[1], sizes[2]]);
+        let b = solid(i / 2 % 5, [sizes[3], sizes[4], sizes[5]]);
+        let pose = if i % 7 == 0 { Pose::IDENTITY } else { dice.pose(sizes[6]) };
+        let Some(m) = found(&a, &b, &pose, 0.02) else { continue };
+        touching += 1;
+        let (mut low, mut high) = (f32::INFINITY, 0.0_f32);
+        for &size in &sizes[..6] {
+            (low, high) = (crate::math::min(size, low), crate::math::max(size, high));
+        }
+        if high > 3.1e4 * low {
+            continue;
+        }
+        compared += 1;
+        let n = DVec3::from(m.normal);
+        let n = n / length(n);
+        let apart = -reach(&b, &pose, -n) - reach(&a, &Pose::IDENTITY, n);
+        // The normal in f32 is good to 1e-7 rad, which counts over the length of the shapes.
+        let slack = 4.0e-6 * f64::from(high + length32(pose.position)) + 1.0e-3 * apart.abs();
+        let error = (f64::from(least(&m)) - apart).abs();
+        assert!(error < slack, "{a:?} {b:?} {pose:?}: {m:?} {apart}");
+    }
+    assert!(touching > 2000 && compared > 200, "{touching} {compared}");
+}

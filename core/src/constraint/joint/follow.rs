@@ -330,7 +330,7 @@ fn advance(link: &mut JointLink, seats: &[Seat], substep: f32) -> [LaneVec; 3] {
 }
 
 /// A rotation by a vector (Rodrigues).
-struct Turning {
+pub(super) struct Turning {
     vector: LaneVec,
     /// sin(t) / t and (1 - cos(t)) / t^2.
     sine: Lane,
@@ -338,7 +338,7 @@ struct Turning {
 }
 
 impl Turning {
-    fn new(vector: LaneVec) -> Self {
+    pub fn new(vector: LaneVec) -> Self {
         let square = vector.dot(vector);
         let most = Lane::splat(TURN * TURN);
         let inside = square.less(most);
@@ -357,11 +357,18 @@ impl Turning {
 
     #[inline(always)]
     fn of(&self, v: LaneVec) -> LaneVec {
-        let across = self.vector.cross(v);
-        v + across.times(self.sine) + self.vector.cross(across).times(self.cosine)
+        v + self.change(v)
     }
+
+    /// By how much a vector changes.
+    #[inline(always)]
+    pub fn change(&self, v: LaneVec) -> LaneVec {
+        let across = self.vector.cross(v);
+        across.times(self.sine) + self.vector.cross(across).times(self.cosine)
+    }
+
     /// R W Rt of a symmetric matrix W (diagonal, then xy, xz, yz).
-    fn of_root(&self, [d, o]: &[LaneVec; 2]) -> [LaneVec; 2] {
+    pub fn of_root(&self, [d, o]: &[LaneVec; 2]) -> [LaneVec; 2] {
         let columns = [LaneVec::new(d.x, o.x, o.y), LaneVec::new(o.x, d.y, o.z), LaneVec::new(o.y, o.z, d.z)]
             .map(|c| self.of(c));
         // Rows of R W, turned again.

@@ -1,7 +1,8 @@
 //! A visit of eight joints: bounds one by one, then the locks at once.
 
 use super::super::contact::Sweep;
-use super::super::velocities::Velocities;
+use super::super::velocities::{Velocities, root_times};
+use super::follow::Turning;
 use super::{BoundRow, JointLink, LockRow, Ways};
 use crate::lanes::{Lane, LaneVec, Mask};
 use bytemuck::{Pod, Zeroable};
@@ -68,9 +69,9 @@ pub(super) fn nudge<const N: usize>(
 
 /// A sweep without: what gives still wants its own.
 ///
-/// The velocities are to fit the axes at the end of the substep, and the impulses that make them fit act along the mean
-/// of the axes at its two ends: then they do no work (a velocity that is turned from one tangent to the next keeps its
-/// length when it is pushed along the chord's normal).
+/// The velocities are to fit the axes at the end of the substep, and the impulses that make them fit act along
+/// the mean of the axes at its two ends: then they do no work (a velocity that is turned from one tangent to the
+/// next keeps its length when it is pushed along the chord's normal).
 pub(super) fn relaxed<const N: usize>(
     u: &mut Velocities,
     link: &mut JointLink,
@@ -129,15 +130,26 @@ impl Push {
     }
 }
 
-/// How much faster the points part at the end of a substep than now because the bodies turn: half a substep's
-/// centripetal acceleration.
+/// How much faster the points part in the mean of the substep than now because the bodies turn: by half a substep's
+/// acceleration.
 #[inline(always)]
 fn curvature(u: &Velocities, link: &JointLink, substep: f32) -> LaneVec {
     let (spin_a, spin_b) = link.spins(u);
     let about_a = spin_a.cross(link.arm_a);
     let about_b = spin_b.cross(link.arm_b);
     let half = Lane::splat(0.5 * substep);
-    let turned = (spin_b.cross(about_b) - spin_a.cross(about_a)).times(half);
+    let mut turned_a = spin_a.cross(about_a).times(half);
+    let mut turned_b = spin_b.cross(about_b).times(half);
+    if link.tops != 0 {
+        let zero = Lane::ZERO;
+        let (roots, arm) = ((&link.now_a, &link.back_a), link.arm_a);
+        let way = top_way(u.wa, (spin_a, arm), roots, substep);
+        turned_a = link.top_a.greater(zero).select_vec(way - about_a, turned_a);
+        let (roots, arm) = ((&link.now_b, &link.back_b), link.arm_b);
+        let way = top_way(u.wb, (spin_b, arm), roots, substep);
+        turned_b = link.top_b.greater(zero).select_vec(way - about_b, turned_b);
+    }
+    let turned = turned_b - turned_a;
     if !link.signature().is_distance() {
         return turned;
     }
@@ -148,6 +160,22 @@ fn curvature(u: &Velocities, link: &JointLink, substep: f32) -> LaneVec {
     let outward = speed.dot(along);
     let across = speed.dot(speed) - outward * outward;
     turned + along.times(half * across * link.inverse_length)
+}
+
+/// Mean velocity in a substep of the point at `arm` of a free top, whose momentum stays while its angular velocity
+/// `spin` does not: taken with that of half time (midpoint rule). With the velocity of now, the nudges would turn a
+/// fast top off its momentum.
+#[inline(always)]
+fn top_way(
+    whitened: LaneVec,
+    (spin, arm): (LaneVec, LaneVec),
+    (now, back): (&[LaneVec; 2], &[LaneVec; 2]),
+    substep: f32,
+) -> LaneVec {
+    let root = Turning::new(spin.times(Lane::splat(0.5 * substep))).of_root(now);
+    let momentum = root_times(back, whitened);
+    let middle = root_times(&root, root_times(&root, momentum));
+    Turning::new(middle.times(Lane::splat(substep))).change(arm).times(Lane::splat(1.0 / substep))
 }
 
 impl BoundRow {
@@ -183,8 +211,8 @@ fn solve_locks<const N: usize>(u: &Velocities, locks: &[LockRow; N], wanted: [La
     let mut x = [Lane::ZERO; N];
     for i in 0..N {
         let mut y = -(locks[i].ways.rate(u) + wanted[i]);
-        for j in 0..i {
-            y = y - locks[i].factor[j] * x[j];
+        for (factor, before) in locks[i].factor.iter().zip(&x[..i]) {
+            y = y - *factor * *before;
         }
         x[i] = y;
     }
@@ -198,8 +226,8 @@ fn solve_locks<const N: usize>(u: &Velocities, locks: &[LockRow; N], wanted: [La
     x
 }
 
-/// Factors `K + give` into `L D Lt`. A row that the rows before it imply gets no pivot, and no impulse. `masses` are
-/// the inverse masses of both bodies along the axes.
+/// Factors `K + give` into `L D Lt`. A row that the rows before it imply gets no pivot, and no impulse. `masses`
+/// are the inverse masses of both bodies along the axes.
 pub(super) fn factor(locks: &mut [LockRow], masses: LaneVec) {
     for i in 0..locks.len() {
         let own = locks[i].ways.yields(&locks[i].ways, masses) + locks[i].give;

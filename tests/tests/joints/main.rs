@@ -1,0 +1,9 @@
+//! What every kind of joint does: limits, drives, partners, refusals, and bits.
+
+mod api;
+mod bits;
+mod drives;
+mod limits;
+mod meeting;
+mod partners;
+mod robust;
