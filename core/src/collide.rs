@@ -9,7 +9,6 @@ pub mod clip;
 pub mod compound;
 pub mod convex;
 pub mod distance;
-mod double;
 pub mod half_space;
 pub mod height_field;
 pub mod hull;

@@ -48,8 +48,15 @@ impl DebugLayers {
     pub const AXES: Self = Self(32);
     /// Slots and masses of bodies, and impulses of contacts, as text beside what is drawn.
     pub const LABELS: Self = Self(64);
+    /// Joints that are not broken: the axes of both frames, a line from each center of mass to its frame, and one
+    /// between the frames' origins, which is seen where a joint has room or gives.
+    pub const JOINTS: Self = Self(128);
+    /// Limits of the same joints: the range of every limited turn as an arc with its ends and a hand at the turn as
+    /// it is, that of every limited shift or distance as a line, and cones by their rim. Of a range without an end
+    /// half a turn or the drawing's reach is drawn.
+    pub const JOINT_LIMITS: Self = Self(256);
     /// Everything.
-    pub const ALL: Self = Self(127);
+    pub const ALL: Self = Self(511);
 
     /// Things of both.
     pub const fn and(self, other: Self) -> Self {
@@ -111,6 +118,12 @@ pub mod colors {
     pub const IMPULSE: Color = 0xffff00ff;
     /// Friction impulses: cyan.
     pub const FRICTION: Color = 0x00ffffff;
+    /// Joints: violet.
+    pub const JOINT: Color = 0xb070ffff;
+    /// Gaps between the frames of joints: pink.
+    pub const JOINT_GAP: Color = 0xff80c0ff;
+    /// Limits of joints: dark yellow.
+    pub const JOINT_LIMIT: Color = 0xc0a020ff;
     /// Centers of mass: yellow green.
     pub const CENTER: Color = 0xc0ff40ff;
     /// The x, y and z axes.

@@ -48,7 +48,7 @@ pub enum Error {
         /// What the call needs, for people.
         needs: &'static str,
     },
-    /// Only convex shapes can be moved or laid over others by a query.
+    /// Only shapes with an inside can be moved or laid over others by a query: no half-space, mesh or height field.
     NotConvex,
     /// A slice is not as long as the call needs.
     WrongLength {
@@ -128,7 +128,7 @@ impl fmt::Display for Error {
             Error::NotARotation { name } => write!(f, "`{name}` is not a unit quaternion"),
             Error::Stale { what } => write!(f, "the handle names no {what} that exists now"),
             Error::WrongKind { needs } => write!(f, "wrong kind of body: {needs}"),
-            Error::NotConvex => write!(f, "a query takes convex shapes only"),
+            Error::NotConvex => write!(f, "a query takes shapes with an inside only"),
             Error::WrongLength { needed, given } => {
                 write!(f, "a slice of {needed} elements was expected, {given} were given")
             }

@@ -15,9 +15,9 @@
 //! no bit but the sectors.
 //!
 //! **Conventions.** Shapes are closed sets: who starts in one, or touches it, meets it at distance 0 with the
-//! normal turned against the motion. A half-space is solid below its surface. Meshes and height
-//! fields have no inside and two sides: the normal is that of the side from which they are met. A ray in the plane of a triangle passes; one
-//! along the face of a convex shape meets it.
+//! normal turned against the motion. A half-space is solid below its surface. Meshes and height fields have no
+//! inside and two sides: the normal is that of the side from which they are met. A ray in the plane of a triangle
+//! passes; one along the face of a convex shape meets it.
 
 mod batch;
 mod found;

@@ -1,10 +1,13 @@
 //! Shapes of a world in double precision and world coordinates, for proving what queries tell: distances from
 //! closed forms, and by brute force over all faces; nothing of the engine's own collision code.
 
+mod apart;
+
 use crate::oracles::{Wide, cross, dot, minus, norm, plus, turned, wide};
 use crate::worlds::OwnedWorld;
+use cellstep::collide::height_field::HOLE;
 use cellstep::math::{Rotation, Vec3};
-use cellstep::{Geometry, ShapeHandle};
+use cellstep::{Geometry, ShapeHandle, collide};
 
 /// A convex set, or a half-space.
 #[derive(Clone, Debug)]
@@ -19,6 +22,34 @@ pub enum Solid {
     HalfSpace(Wide, f64),
     /// A triangle without thickness.
     Triangle([Wide; 3]),
+    /// All points within a radius of a polytope.
+    Rounded(Polytope, f64),
+    /// A cylinder.
+    Cylinder(Axial),
+    /// A cone: its apex is at the axis' upper end.
+    Cone(Axial),
+}
+
+/// What a cylinder or cone is.
+#[derive(Clone, Copy, Debug)]
+pub struct Axial {
+    /// The middle of the axis.
+    pub center: Wide,
+    /// Unit vector.
+    pub axis: Wide,
+    /// Half of its length.
+    pub half: f64,
+    /// Of the base.
+    pub radius: f64,
+}
+
+impl Axial {
+    /// Distance from the axis, and height over the middle.
+    fn profile(&self, p: Wide) -> [f64; 2] {
+        let from = minus(p, self.center);
+        let height = dot(from, self.axis);
+        [norm(plus(from, self.axis, -height)), height]
+    }
 }
 
 /// Corners, outward planes and faces.
@@ -39,17 +70,73 @@ pub struct Polytope {
 pub struct Part {
     /// The shape.
     pub shape: ShapeHandle,
-    /// The triangle of a mesh; 0 else.
+    /// The triangle of a mesh or height field, or the child of a compound; 0 else.
     pub child: u32,
     /// What it is.
     pub solid: Solid,
-    /// A length to measure errors by, metres.
-    pub size: f64,
 }
 
 /// `v` scaled to unit length.
 pub fn unit(v: Wide) -> Wide {
     v.map(|x| x / norm(v))
+}
+
+/// A convex solid at a place.
+fn convex(solid: &collide::Solid<'_>, (position, rotation): (Wide, Rotation)) -> Solid {
+    let place = |v: Wide| plus(position, turned(rotation, v), 1.0);
+    let polytope = |hull: &collide::Hull<'_>| {
+        let corners: Vec<Wide> = hull.vertices.iter().map(|&v| place(wide(v))).collect();
+        let loops = hull.faces.iter().map(|face| {
+            let run = face.first as usize..(face.first + face.count) as usize;
+            hull.loops[run].iter().map(|&i| i as usize).collect::<Vec<_>>()
+        });
+        Polytope::new(corners, loops)
+    };
+    let axial = |half: f32, radius: f32| {
+        let axis = turned(rotation, [0.0, 0.0, 1.0]);
+        Axial { center: position, axis, half: half.into(), radius: radius.into() }
+    };
+    match *solid {
+        collide::Solid::Sphere { radius } => Solid::Ball(position, radius.into()),
+        collide::Solid::Capsule { half_height, radius } => {
+            let ends = [-half_height, half_height].map(|z| place([0.0, 0.0, z.into()]));
+            Solid::Capsule(ends, radius.into())
+        }
+        collide::Solid::Box { half_extents: h } => {
+            let h = wide(h);
+            let corner = |i: usize| {
+                place(std::array::from_fn(|axis| if i >> axis & 1 == 1 { h[axis] } else { -h[axis] }))
+            };
+            let loops = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+            let corners: Vec<Wide> = (0..8).map(corner).collect();
+            Solid::Polytope(Polytope::new(corners, loops.iter().map(|l| l.to_vec())))
+        }
+        collide::Solid::Hull(hull) => Solid::Polytope(polytope(&hull)),
+        collide::Solid::RoundedHull { hull, radius } => Solid::Rounded(polytope(&hull), radius.into()),
+        collide::Solid::Cylinder { half_height, radius } => Solid::Cylinder(axial(half_height, radius)),
+        collide::Solid::Cone { half_height, radius } => Solid::Cone(axial(half_height, radius)),
+        _ => panic!("{solid:?} is not convex"),
+    }
+}
+
+/// Corners of the triangles of a height field, in their order; none for those of holes.
+fn triangles_of(field: &collide::height_field::HeightField<'_>) -> Vec<Option<[Wide; 3]>> {
+    let columns = field.columns as usize;
+    let mut all = Vec::new();
+    for row in 0..field.rows as usize - 1 {
+        for column in 0..columns - 1 {
+            let at = |dc: usize, dr: usize| {
+                let (c, r) = (column + dc, row + dr);
+                let [x, y] = [(c as f32 * field.spacing[0]), (r as f32 * field.spacing[1])];
+                wide(Vec3::new(x, y, field.heights[r * columns + c]))
+            };
+            let is_hole = field.cells.get(row * (columns - 1) + column) == Some(&HOLE);
+            for corners in [[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]] {
+                all.push((!is_hole).then_some(corners));
+            }
+        }
+    }
+    all
 }
 
 /// A geometry at a place, in parts.
@@ -59,44 +146,48 @@ pub fn parts(
     (position, rotation): (Wide, Rotation),
 ) -> Vec<Part> {
     let place = |v: Wide| plus(position, turned(rotation, v), 1.0);
-    let part = |solid, size| Part { shape, child: 0, solid, size };
+    let one = |solid: collide::Solid<'_>| {
+        vec![Part { shape, child: 0, solid: convex(&solid, (position, rotation)) }]
+    };
+    let triangle = |(child, corners): (usize, [Wide; 3])| Part {
+        shape,
+        child: child as u32,
+        solid: Solid::Triangle(corners.map(place)),
+    };
     match *geometry {
-        Geometry::Sphere { radius } => vec![part(Solid::Ball(position, radius.into()), radius.into())],
-        Geometry::Capsule { half_height, radius } => {
-            let ends = [-half_height, half_height].map(|z| place([0.0, 0.0, z.into()]));
-            vec![part(Solid::Capsule(ends, radius.into()), radius.into())]
-        }
-        Geometry::Box { half_extents: h } => {
-            let h = wide(h);
-            let corner = |i: usize| {
-                place(std::array::from_fn(|axis| if i >> axis & 1 == 1 { h[axis] } else { -h[axis] }))
-            };
-            let loops = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-            let corners: Vec<Wide> = (0..8).map(corner).collect();
-            let size = h.into_iter().fold(f64::INFINITY, f64::min);
-            vec![part(Solid::Polytope(Polytope::new(corners, loops.iter().map(|l| l.to_vec()))), size)]
-        }
-        Geometry::Hull(hull) => {
-            let tables = world.hull(hull).expect("registered");
-            let corners: Vec<Wide> = tables.vertices.iter().map(|&v| place(wide(v))).collect();
-            let loops = tables.faces.iter().map(|face| {
-                let run = face.first as usize..(face.first + face.count) as usize;
-                tables.loops[run].iter().map(|&i| i as usize).collect::<Vec<_>>()
-            });
-            let size = corners.iter().fold(0.0, |most: f64, &c| most.max(norm(minus(c, position))));
-            vec![part(Solid::Polytope(Polytope::new(corners, loops)), 0.5 * size)]
+        Geometry::Sphere { radius } => one(collide::Solid::Sphere { radius }),
+        Geometry::Capsule { half_height, radius } => one(collide::Solid::Capsule { half_height, radius }),
+        Geometry::Cylinder { half_height, radius } => one(collide::Solid::Cylinder { half_height, radius }),
+        Geometry::Cone { half_height, radius } => one(collide::Solid::Cone { half_height, radius }),
+        Geometry::Box { half_extents } => one(collide::Solid::Box { half_extents }),
+        Geometry::Hull(hull) => one(collide::Solid::Hull(world.hull(hull).expect("registered"))),
+        Geometry::RoundedHull { hull, radius } => {
+            one(collide::Solid::RoundedHull { hull: world.hull(hull).expect("registered"), radius })
         }
         Geometry::HalfSpace => {
             let normal = turned(rotation, [0.0, 0.0, 1.0]);
-            vec![part(Solid::HalfSpace(normal, dot(normal, position)), 1.0)]
+            vec![Part { shape, child: 0, solid: Solid::HalfSpace(normal, dot(normal, position)) }]
         }
         Geometry::Mesh(mesh) => {
             let tables = world.mesh(mesh).expect("registered");
-            let triangle = |(child, triangle): (usize, &cellstep::collide::Triangle)| {
-                let corners = triangle.vertices.map(|v| place(wide(tables.vertices[v as usize])));
-                Part { shape, child: child as u32, solid: Solid::Triangle(corners), size: 1.0 }
-            };
-            tables.triangles.iter().enumerate().map(triangle).collect()
+            let corners =
+                tables.triangles.iter().map(|t| t.vertices.map(|v| wide(tables.vertices[v as usize])));
+            corners.enumerate().map(triangle).collect()
+        }
+        Geometry::HeightField(field) => {
+            let all = triangles_of(&world.height_field(field).expect("registered"));
+            let solid = all.into_iter().enumerate().filter_map(|(i, corners)| Some((i, corners?)));
+            solid.map(triangle).collect()
+        }
+        Geometry::Compound(compound) => {
+            let tables = world.compound(compound).expect("registered");
+            (0..tables.len() as u32)
+                .map(|child| {
+                    let (solid, pose) = tables.child(child);
+                    let at = (place(wide(pose.position)), rotation.after(pose.rotation));
+                    Part { shape, child, solid: convex(&solid, at) }
+                })
+                .collect()
         }
     }
 }
@@ -138,6 +229,27 @@ impl Polytope {
         }
         Self { corners, planes, triangles, edges }
     }
+
+    /// Signed distance of a point: negative inside.
+    fn distance(&self, p: Wide) -> f64 {
+        let depth = |&(n, offset): &(Wide, f64)| dot(n, p) - offset;
+        let inside = self.planes.iter().map(depth).fold(f64::NEG_INFINITY, f64::max);
+        if inside <= 0.0 {
+            return inside;
+        }
+        let outside = |&t: &[Wide; 3]| norm(minus(on_triangle(t, p), p));
+        self.triangles.iter().map(outside).fold(f64::INFINITY, f64::min)
+    }
+
+    fn moved(&self, by: Wide) -> Self {
+        let shift = |p: Wide| plus(p, by, 1.0);
+        Self {
+            corners: self.corners.iter().copied().map(shift).collect(),
+            planes: self.planes.iter().map(|&(n, offset)| (n, offset + dot(n, by))).collect(),
+            triangles: self.triangles.iter().map(|t| t.map(shift)).collect(),
+            edges: self.edges.clone(),
+        }
+    }
 }
 
 /// The point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
@@ -166,14 +278,28 @@ impl Solid {
                 let t = if length > 0.0 { (dot(minus(p, *a), ab) / length).clamp(0.0, 1.0) } else { 0.0 };
                 norm(minus(p, plus(*a, ab, t))) - radius
             }
-            Solid::Polytope(polytope) => {
-                let depth = |&(n, offset): &(Wide, f64)| dot(n, p) - offset;
-                let inside = polytope.planes.iter().map(depth).fold(f64::NEG_INFINITY, f64::max);
-                if inside <= 0.0 {
-                    return inside;
+            Solid::Polytope(polytope) => polytope.distance(p),
+            Solid::Rounded(polytope, radius) => polytope.distance(p) - radius,
+            Solid::Cylinder(axial) => {
+                let [across, height] = axial.profile(p);
+                let (side, end) = (across - axial.radius, height.abs() - axial.half);
+                if side <= 0.0 || end <= 0.0 { side.max(end) } else { side.hypot(end) }
+            }
+            Solid::Cone(axial) => {
+                let [across, height] = axial.profile(p);
+                let (half, radius) = (axial.half, axial.radius);
+                let slant = radius.hypot(2.0 * half);
+                // From the rim to the apex.
+                let along = [-radius / slant, 2.0 * half / slant];
+                let from = [across - radius, height + half];
+                let beyond = from[0] * along[1] - from[1] * along[0];
+                let below = -half - height;
+                if beyond <= 0.0 && below <= 0.0 {
+                    return beyond.max(below);
                 }
-                let outside = |&t: &[Wide; 3]| norm(minus(on_triangle(t, p), p));
-                polytope.triangles.iter().map(outside).fold(f64::INFINITY, f64::min)
+                let on_side = (from[0] * along[0] + from[1] * along[1]).clamp(0.0, slant);
+                let side = (from[0] - along[0] * on_side).hypot(from[1] - along[1] * on_side);
+                side.min(below.hypot((across - radius).max(0.0)))
             }
             Solid::HalfSpace(normal, offset) => dot(*normal, p) - offset,
             Solid::Triangle(corners) => norm(minus(on_triangle(*corners, p), p)),
@@ -188,6 +314,18 @@ impl Solid {
             Solid::Ball(center, radius) => dot(*center, direction) + radius * norm(direction),
             Solid::Capsule(ends, radius) => most(ends) + radius * norm(direction),
             Solid::Polytope(polytope) => most(&polytope.corners),
+            Solid::Rounded(polytope, radius) => most(&polytope.corners) + radius * norm(direction),
+            Solid::Cylinder(axial) => {
+                let along = dot(axial.axis, direction);
+                let across = norm(plus(direction, axial.axis, -along));
+                dot(axial.center, direction) + axial.half * along.abs() + axial.radius * across
+            }
+            Solid::Cone(axial) => {
+                let along = dot(axial.axis, direction);
+                let across = norm(plus(direction, axial.axis, -along));
+                dot(axial.center, direction)
+                    + (axial.half * along).max(axial.radius * across - axial.half * along)
+            }
             Solid::HalfSpace(normal, offset) => {
                 if norm(minus(*normal, direction)) < 1.0e-3 {
                     *offset
@@ -210,6 +348,11 @@ impl Solid {
             Solid::Ball(center, radius) => (*center, *radius),
             Solid::Capsule(ends, radius) => (around(ends).0, around(ends).1 + radius),
             Solid::Polytope(polytope) => around(&polytope.corners),
+            Solid::Rounded(polytope, radius) => {
+                let (center, own) = around(&polytope.corners);
+                (center, own + radius)
+            }
+            Solid::Cylinder(axial) | Solid::Cone(axial) => (axial.center, axial.half.hypot(axial.radius)),
             Solid::HalfSpace(..) => ([0.0; 3], f64::INFINITY),
             Solid::Triangle(corners) => around(corners),
         }
@@ -221,12 +364,10 @@ impl Solid {
         match self {
             Solid::Ball(center, radius) => Solid::Ball(shift(*center), *radius),
             Solid::Capsule(ends, radius) => Solid::Capsule(ends.map(shift), *radius),
-            Solid::Polytope(polytope) => Solid::Polytope(Polytope {
-                corners: polytope.corners.iter().copied().map(shift).collect(),
-                planes: polytope.planes.iter().map(|&(n, offset)| (n, offset + dot(n, by))).collect(),
-                triangles: polytope.triangles.iter().map(|t| t.map(shift)).collect(),
-                edges: polytope.edges.clone(),
-            }),
+            Solid::Polytope(polytope) => Solid::Polytope(polytope.moved(by)),
+            Solid::Rounded(polytope, radius) => Solid::Rounded(polytope.moved(by), *radius),
+            Solid::Cylinder(axial) => Solid::Cylinder(Axial { center: shift(axial.center), ..*axial }),
+            Solid::Cone(axial) => Solid::Cone(Axial { center: shift(axial.center), ..*axial }),
             Solid::HalfSpace(normal, offset) => Solid::HalfSpace(*normal, offset + dot(*normal, by)),
             Solid::Triangle(corners) => Solid::Triangle(corners.map(shift)),
         }
@@ -291,7 +432,7 @@ impl Solid {
                     .chain([n])
                     .collect()
             }
-            Solid::Ball(..) | Solid::Capsule(..) => Vec::new(),
+            _ => Vec::new(),
         };
         normals.into_iter()
     }

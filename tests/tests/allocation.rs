@@ -81,11 +81,8 @@ fn queries_allocate_nothing() {
             world.step(&mut Serial);
             let queries = world.queries();
             let ray = Ray { origin: Position::at(random.vector(14.0)), translation: random.vector(30.0) };
-            let shape = QueryShape {
-                geometry: random.convex(1.0),
-                position: ray.origin,
-                rotation: random.rotation(),
-            };
+            let shape =
+                QueryShape { geometry: random.solid(1.0), position: ray.origin, rotation: random.rotation() };
             let cast = ShapeCast { shape, translation: ray.translation };
             let probe = Probe { position: ray.origin, max_distance: 5.0 };
             let filter = &QueryFilter::ALL;

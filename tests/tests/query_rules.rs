@@ -3,9 +3,9 @@
 
 use cellstep::math::{Rotation, Vec3};
 use cellstep::{
-    BodyDef, BodyKind, BodyKinds, ClosestPoint, Error, Executor, Filter, Found, Geometry, Hit, HullHandle,
-    MeshHandle, Overlap, Pool, Position, Probe, Queries, QueryFilter, QueryShape, Ray, Region, Serial,
-    ShapeCast, ShapeDef,
+    BodyDef, BodyKind, BodyKinds, ClosestPoint, CompoundHandle, Error, Executor, Filter, Found, Geometry,
+    HeightFieldHandle, Hit, HullHandle, MeshHandle, Overlap, Pool, Position, Probe, Queries, QueryFilter,
+    QueryShape, Ray, Region, Serial, ShapeCast, ShapeDef,
 };
 use cellstep_tests::executors::{Random, Shuffled};
 use cellstep_tests::mixed::{Draw, mixed_world};
@@ -39,7 +39,7 @@ impl Questions {
             let mut place = |limit| Position::at(random.vector(limit));
             let (origin, start, middle, position) = (place(14.0), place(12.0), place(10.0), place(12.0));
             let shape =
-                QueryShape { geometry: random.convex(0.8), position: start, rotation: random.rotation() };
+                QueryShape { geometry: random.solid(0.8), position: start, rotation: random.rotation() };
             some.rays.push(Ray { origin, translation: random.vector(25.0) });
             some.casts.push(ShapeCast { shape, translation: random.vector(20.0) });
             some.regions.push(Region::Shape(QueryShape { position: middle, ..shape }));
@@ -205,7 +205,7 @@ fn equal_distances_go_by_slot_and_then_by_triangle() {
 #[test]
 fn filters_leave_out_what_they_say() {
     let mut world = mixed_world(2);
-    let questions = Questions::new(3, 150);
+    let questions = Questions::new(3, 300);
     for kind in [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic] {
         let kinds = [BodyKinds::STATIC, BodyKinds::KINEMATIC, BodyKinds::DYNAMIC][kind as usize];
         let answers = questions.ask(&world.queries(), &QueryFilter { kinds, ..ALL });
@@ -268,16 +268,16 @@ fn change(world: &mut OwnedWorld, random: &mut Random) {
         1 => world.remove_body(body),
         2 => world
             .create_body(&BodyDef { position: place, kind: BodyKind::Static, ..BodyDef::default() })
-            .and_then(|body| world.create_shape(body, &ShapeDef::new(random.convex(1.0))))
+            .and_then(|body| world.create_shape(body, &ShapeDef::new(random.solid(1.0))))
             .map(|_| ()),
         3 => world
             .create_body(&BodyDef { position: place, ..BodyDef::default() })
-            .and_then(|body| world.create_shape(body, &ShapeDef::new(random.convex(1.0))))
+            .and_then(|body| world.create_shape(body, &ShapeDef::new(random.solid(1.0))))
             .map(|_| ()),
         4 => world.set_kind(body, [BodyKind::Static, BodyKind::Kinematic][random.below(2) as usize]),
         _ => {
             let shapes: Vec<_> = world.shapes_of(body).expect("alive").collect();
-            let geometry = random.convex(1.0);
+            let geometry = random.solid(1.0);
             let pose = cellstep::math::Pose::new(random.vector(0.5), random.rotation());
             shapes.first().map_or(Ok(()), |&shape| world.set_geometry(shape, &geometry, &pose))
         }
@@ -397,6 +397,11 @@ fn bad_input_is_refused() {
     for (geometry, error) in [
         (Geometry::HalfSpace, Error::NotConvex),
         (Geometry::Mesh(MeshHandle(0)), Error::NotConvex),
+        (Geometry::HeightField(HeightFieldHandle(0)), Error::NotConvex),
+        (Geometry::Compound(CompoundHandle(2)), Error::Stale { what: "compound" }),
+        (Geometry::RoundedHull { hull: HullHandle(2), radius: 0.1 }, Error::Stale { what: "hull" }),
+        (Geometry::RoundedHull { hull: HullHandle(0), radius: -0.1 }, Error::OutOfRange { name: "radius" }),
+        (Geometry::Cone { half_height: 0.0, radius: 1.0 }, Error::OutOfRange { name: "half_height" }),
         (Geometry::Hull(HullHandle(2)), Error::Stale { what: "hull" }),
         (Geometry::Hull(HullHandle(u32::MAX)), Error::Stale { what: "hull" }),
         (Geometry::Sphere { radius: 0.0 }, Error::OutOfRange { name: "radius" }),
@@ -448,9 +453,11 @@ fn any_numbers_are_refused_or_answered() {
         let mut vector = || Vec3::new(wild(&mut random), wild(&mut random), wild(&mut random));
         let (offset, translation, half) = (vector(), vector(), vector());
         let origin = Position { sector: [0, 0, (offset.x * 0.1) as i32], offset };
-        let geometry = match (half.y as i32).rem_euclid(3) {
+        let geometry = match (half.y as i32).rem_euclid(5) {
             0 => Geometry::Sphere { radius: half.x.abs() },
             1 => Geometry::Capsule { half_height: half.x.abs(), radius: half.z.abs() },
+            2 => Geometry::Cylinder { half_height: half.x.abs(), radius: half.z.abs() },
+            3 => Geometry::Cone { half_height: half.x.abs(), radius: half.z.abs() },
             _ => Geometry::Box { half_extents: half.abs() },
         };
         let shape = QueryShape { geometry, position: origin, rotation: random.rotation() };

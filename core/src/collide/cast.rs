@@ -1,7 +1,7 @@
 //! Rays, shapes that move along a line, and how near shapes are: pure math of two shapes, in double precision.
 //!
 //! ```text
-//! support.rs   convex shapes as support functions           the one place a new convex kind needs an arm in
+//! support.rs   convex shapes as support functions           contacts share it
 //! gjk.rs       distance of two convex sets
 //! ray.rs       closed forms for rays, triangles of meshes
 //! axial.rs     those for cylinders and cones

@@ -21,9 +21,9 @@ mod tests;
 use super::clip::{Candidates, face_loop, reduce_face};
 use super::polytope::BoxHull;
 use super::{HULL_VERTICES_MAX, Hull, Manifold, ManifoldPoint, Solid};
-use crate::collide::double::DVec3;
 use crate::math::{Pose, Rotation, Vec3, max, sqrt};
 use closest::{Aim, Pair};
+use glam::DVec3;
 use patch::View;
 
 /// Sine of the angle to the normal up to which a line or a face counts as across it: 3 degrees.
@@ -42,7 +42,7 @@ const CLOSEST_FEATURE: u32 = 0;
 
 /// What a radius is around.
 #[derive(Clone, Copy, Debug)]
-enum Core<'a> {
+pub(super) enum Core<'a> {
     Point,
     /// From `-half_height` to `half_height` on the z axis.
     Segment {
@@ -208,27 +208,61 @@ pub fn lowest(b: &SupportShape<'_>, distance: f32, points: &mut Candidates) {
     }
 }
 
-impl<'a> SupportShape<'a> {
-    /// A shape at a pose; `None` for half-spaces and concave shapes. `cuboid` is [`box_of`] the shape.
-    pub fn new(solid: &Solid<'a>, pose: &Pose, cuboid: &'a BoxHull) -> Option<Self> {
-        let (core, radius) = match *solid {
-            Solid::Sphere { radius } => (Core::Point, radius),
+impl<'a> Core<'a> {
+    /// The core of a shape and the radius around it, metres; `None` for half-spaces and concave shapes, and for
+    /// boxes, whose corners are in no table.
+    pub fn new(solid: &Solid<'a>) -> Option<(Self, f64)> {
+        Some(match *solid {
+            Solid::Sphere { radius } => (Core::Point, f64::from(radius)),
             Solid::Capsule { half_height, radius } => {
-                (Core::Segment { half_height: f64::from(half_height) }, radius)
+                (Core::Segment { half_height: f64::from(half_height) }, f64::from(radius))
             }
-            Solid::Box { .. } => (Core::Hull(cuboid.hull()), 0.0),
             Solid::Hull(hull) => (Core::Hull(hull), 0.0),
-            Solid::RoundedHull { hull, radius } => (Core::Hull(hull), radius),
+            Solid::RoundedHull { hull, radius } => (Core::Hull(hull), f64::from(radius)),
             Solid::Cylinder { half_height, radius } => {
                 (Core::Cylinder { half_height: f64::from(half_height), radius: f64::from(radius) }, 0.0)
             }
             Solid::Cone { half_height, radius } => {
                 (Core::Cone { half_height: f64::from(half_height), radius: f64::from(radius) }, 0.0)
             }
-            Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_) | Solid::Compound(_) => return None,
+            Solid::Box { .. }
+            | Solid::HalfSpace
+            | Solid::Mesh(_)
+            | Solid::HeightField(_)
+            | Solid::Compound(_) => return None,
+        })
+    }
+
+    /// The point farthest along a direction of any length, the first one where there are several.
+    pub fn support(&self, d: DVec3) -> DVec3 {
+        match self {
+            Core::Point => DVec3::ZERO,
+            Core::Segment { half_height } => DVec3::Z * if d.z < 0.0 { -half_height } else { *half_height },
+            Core::Hull(hull) => DVec3::from(hull.vertices[support_vertex(hull, d)]),
+            Core::Cylinder { half_height, radius } => {
+                rim(d, *radius, if d.z < 0.0 { -half_height } else { *half_height })
+            }
+            Core::Cone { half_height, radius } => {
+                let across = libm::sqrt(d.x * d.x + d.y * d.y);
+                if 2.0 * half_height * d.z >= radius * across {
+                    DVec3::Z * *half_height
+                } else {
+                    rim(d, *radius, -half_height)
+                }
+            }
+        }
+    }
+}
+
+impl<'a> SupportShape<'a> {
+    /// A shape at a pose; `None` for half-spaces and concave shapes. `cuboid` is [`box_of`] the shape.
+    pub fn new(solid: &Solid<'a>, pose: &Pose, cuboid: &'a BoxHull) -> Option<Self> {
+        let (core, radius) = match *solid {
+            Solid::Box { .. } => (Core::Hull(cuboid.hull()), 0.0),
+            _ => Core::new(solid)?,
         };
         let position = DVec3::from(pose.position);
-        Some(Self { core, radius: f64::from(radius), axes: axes_of(pose.rotation), position })
+        Some(Self { core, radius, axes: axes_of(pose.rotation), position })
     }
 
     /// A hull in the common frame; it may be flat.
@@ -275,26 +309,7 @@ impl<'a> SupportShape<'a> {
 
     /// The core's point farthest along a direction of any length.
     pub fn support(&self, direction: DVec3) -> DVec3 {
-        self.placed(self.support_local(self.local(direction)))
-    }
-
-    fn support_local(&self, d: DVec3) -> DVec3 {
-        match &self.core {
-            Core::Point => DVec3::ZERO,
-            Core::Segment { half_height } => DVec3::Z * if d.z < 0.0 { -half_height } else { *half_height },
-            Core::Hull(hull) => DVec3::from(hull.vertices[support_vertex(hull, d)]),
-            Core::Cylinder { half_height, radius } => {
-                rim(d, *radius, if d.z < 0.0 { -half_height } else { *half_height })
-            }
-            Core::Cone { half_height, radius } => {
-                let across = libm::sqrt(d.x * d.x + d.y * d.y);
-                if 2.0 * half_height * d.z >= radius * across {
-                    DVec3::Z * *half_height
-                } else {
-                    rim(d, *radius, -half_height)
-                }
-            }
-        }
+        self.placed(self.core.support(self.local(direction)))
     }
 
     /// What the core has farthest along the unit vector `n`.

@@ -54,13 +54,28 @@ impl<D: DebugDraw> Pen<'_, D> {
         self.edges(cuboid.hull().vertices, &BOX_EDGES, &pose);
     }
 
-    fn line(&mut self, pose: &Pose, from: Vec3, to: Vec3) {
+    pub fn line(&mut self, pose: &Pose, from: Vec3, to: Vec3) {
         self.draw.line(pose.transform(from), pose.transform(to), self.color);
     }
 
     fn edges(&mut self, corners: &[Vec3], edges: &[Edge], pose: &Pose) {
         for edge in edges {
             self.line(pose, corners[edge.tail as usize], corners[edge.head as usize]);
+        }
+    }
+
+    /// An arc about the origin of a pose from an angle to another, radians from the direction `x` over `y`, in lines
+    /// that are not longer than those of a full circle.
+    pub fn sector(&mut self, pose: &Pose, (x, y): (Vec3, Vec3), [from, to]: [f32; 2]) {
+        let step = 2.0 * PI / CIRCLE as f32;
+        let lines = libm::ceilf((to - from) / step - 1.0e-3);
+        let lines = crate::math::clamp(lines, 1.0, CIRCLE as f32) as usize;
+        let at = |i: usize| {
+            let turn = from + (to - from) * (i as f32 / lines as f32);
+            x * cos(turn) + y * sin(turn)
+        };
+        for i in 0..lines {
+            self.line(pose, at(i), at(i + 1));
         }
     }
 

@@ -1,5 +1,7 @@
 //! Drawing a world, layer by layer.
 
+mod joints;
+
 use super::{Contact, World, WorldManifold};
 use crate::arena::Line;
 use crate::body::{BodyKind, BodyRow, Motion, Position, QUARANTINED};
@@ -27,6 +29,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         }
         // What stands on bodies, and what links them.
         self.draw_bodies(origin, options, draw);
+        if has(DebugLayers::JOINTS) || has(DebugLayers::JOINT_LIMITS) {
+            self.draw_joints(origin, options, draw);
+        }
         if has(DebugLayers::CONTACTS) || has(DebugLayers::IMPULSES) {
             self.draw_contacts(origin, options, draw);
         }

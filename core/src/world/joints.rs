@@ -192,7 +192,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     }
 
     /// A joint's frames in world axes, from A's point.
-    fn joint_frames(&self, row: &JointRow) -> [Pose; 2] {
+    pub(super) fn joint_frames(&self, row: &JointRow) -> [Pose; 2] {
         let bodies = self.layout.state.bodies.of(self.state());
         let motions = self.layout.state.motions.of(self.state());
         let [a, b] = row.bodies.map(|slot| slot as usize);

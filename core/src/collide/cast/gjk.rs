@@ -189,6 +189,17 @@ fn segment(a: Corner, b: Corner) -> Simplex {
 }
 
 fn triangle(a: Corner, b: Corner, c: Corner) -> Simplex {
+    // From the corner across the longest edge: on curved sides triangles become slivers, and the product of their
+    // two long edges would be rounding.
+    let square = |from: &Corner, to: &Corner| (to.point - from.point).dot(to.point - from.point);
+    let (of_a, of_b, of_c) = (square(&b, &c), square(&c, &a), square(&a, &b));
+    let [a, b, c] = if of_a >= of_b && of_a >= of_c {
+        [a, b, c]
+    } else if of_b >= of_c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    };
     let (ab, ac) = (b.point - a.point, c.point - a.point);
     let n = ab.cross(ac);
     let area = n.dot(n);

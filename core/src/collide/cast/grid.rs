@@ -239,3 +239,104 @@ impl Grid<'_> {
         best
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::super::frame::length;
+    use super::super::ray::{Ray, triangle};
+    use super::*;
+    use std::vec::Vec;
+
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 11) as f64 / 4_503_599_627_370_496.0 - 1.0
+    }
+
+    fn vector(state: &mut u64) -> DVec3 {
+        DVec3::new(random(state), random(state), random(state))
+    }
+
+    const COLUMNS: u32 = 61;
+    const ROWS: u32 = 41;
+
+    fn check(spacing: [f32; 2]) {
+        let mut seed = 5;
+        let heights: Vec<f32> = (0..COLUMNS * ROWS).map(|_| random(&mut seed) as f32).collect();
+        let cells: Vec<u8> =
+            (0..(COLUMNS - 1) * (ROWS - 1)).map(|i| if i % 7 == 3 { u8::MAX } else { 0 }).collect();
+        let (range, has_surfaces) = ([-1.0, 1.0], false);
+        let field = HeightField {
+            columns: COLUMNS,
+            rows: ROWS,
+            spacing,
+            heights: &heights,
+            cells: &cells,
+            has_surfaces,
+            range,
+        };
+        let size = field.bounds().max;
+        let size = DVec3::new(f64::from(size.x), f64::from(size.y), 1.0);
+        let all = || (0..2 * cells.len() as u32).filter(|index| cells[*index as usize / 2] == 0);
+        let (mut hits, mut visits) = (0, 0);
+        for case in 0..3000 {
+            let mut target = (vector(&mut seed) * 0.5 + DVec3::new(0.5, 0.5, 0.0)) * size;
+            if case % 4 == 0 {
+                // At a sample.
+                let column = libm::floor(target.x / f64::from(spacing[0])) as u32;
+                target.x = f64::from(column as f32 * spacing[0]);
+            }
+            let far = [1.0, 1.0e2, 1.0e6][case % 3];
+            let mut origin = target + vector(&mut seed) * size * far;
+            match case % 5 {
+                0 => origin.x = target.x,
+                1 => origin.y = target.y,
+                2 => (origin.x, origin.y) = (target.x, target.y),
+                _ => {}
+            }
+            let way = (target - origin) * 2.0;
+            let ray = Ray { origin, direction: way / length(way), length: length(way) };
+            let meets = |index: &u32| triangle(&ray, field.triangle(*index).0.map(widened), *index).is_some();
+            let expected: Vec<u32> = all().filter(meets).collect();
+            let mut found = Vec::new();
+            let line = (ray.origin, ray.direction, ray.length);
+            along(&field, line, (DVec3::ZERO, DVec3::ZERO), f64::INFINITY, |index, corners| {
+                visits += 1;
+                if triangle(&ray, corners, index).is_some() {
+                    found.push(index);
+                }
+                f64::INFINITY
+            });
+            found.sort_unstable();
+            assert_eq!(found, expected, "{case}: {ray:?}");
+            hits += expected.len();
+            // Boxes near the field: all that is as near is visited.
+            let center = (vector(&mut seed) + DVec3::new(0.5, 0.5, 0.0)) * size;
+            let half = vector(&mut seed).abs() * size * 0.1;
+            let (low, high) = (center - half, center + half);
+            let gap = |index: u32| {
+                let corners = field.triangle(index).0.map(widened);
+                let least = corners[0].min(corners[1]).min(corners[2]);
+                let most = corners[0].max(corners[1]).max(corners[2]);
+                length((least - high).max(low - most).max(DVec3::ZERO))
+            };
+            let mut nearest = f64::INFINITY;
+            around(&field, (low, high), 1.0e7, |index, _| {
+                let apart = gap(index);
+                nearest = if apart < nearest { apart } else { nearest };
+                nearest
+            });
+            let expected = all().map(gap).fold(f64::INFINITY, |a, b| if b < a { b } else { a });
+            assert!((nearest - expected).abs() <= 1.0e-9, "{case}: {nearest} {expected}");
+        }
+        assert!(hits > 1500 && visits < 3000 * 400, "{hits} {visits}");
+    }
+
+    #[test]
+    fn ways_and_surroundings_are_those_of_brute_force() {
+        check([1.0, 1.0]);
+        check([0.3, 2.7]);
+        check([1.0e-3, 1.0e-2]);
+        check([1.0e3, 17.0]);
+    }
+}

@@ -5,7 +5,7 @@
 //! search ends when the bound from below meets the distance.
 
 use super::{SupportShape, length};
-use crate::collide::double::DVec3;
+use glam::DVec3;
 
 /// Most refinements: curved sides take about 15.
 const ITERATIONS_MAX: usize = 64;

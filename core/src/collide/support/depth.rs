@@ -12,7 +12,7 @@
 
 use super::closest::{Aim, Near, Pair};
 use super::{Core, SupportShape, length};
-use crate::collide::double::DVec3;
+use glam::DVec3;
 
 /// Refinements: each takes off a factor of depth over radius.
 const REFINEMENTS: usize = 8;

@@ -16,8 +16,8 @@
 
 use super::{Feature, Spot, SupportShape, length};
 use crate::collide::clip::Candidates;
-use crate::collide::double::{DVec2, DVec3};
 use crate::collide::{HULL_VERTICES_MAX, ManifoldPoint};
+use glam::{DVec2, DVec3};
 
 /// Slope of a disc towards the other shape from which it leans. Less is what soft contacts do at rest; fixed points
 /// miss the lowest one by 3e-4 of this times the radius.

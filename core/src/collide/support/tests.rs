@@ -2,10 +2,10 @@
 
 extern crate std;
 use super::*;
-use crate::collide::double::DVec3;
 use crate::collide::hull::{self, HullTables};
 use crate::collide::{Manifolds, convex, half_space};
 use crate::math::{PI, length as length32};
+use glam::DVec3;
 use std::vec::Vec;
 
 struct Dice(u64);

@@ -40,6 +40,10 @@ fn a_moving_point_meets_what_a_ray_meets() {
         Solid::Box { half_extents: Vec3::new(0.9, 0.002, 0.4) },
         Solid::Hull(cube.hull()),
         Solid::Hull(tables.view()),
+        Solid::Cylinder { half_height: 0.8, radius: 0.4 },
+        Solid::Cylinder { half_height: 0.01, radius: 0.9 },
+        Solid::Cone { half_height: 0.7, radius: 0.6 },
+        Solid::Cone { half_height: 0.02, radius: 1.0 },
     ];
     for solid in &solids {
         let (mut hits, mut misses, mut inside) = (0, 0, 0);
@@ -93,6 +97,66 @@ fn rays_pass_no_edge_between_triangles() {
 }
 
 #[test]
+fn rays_meet_cylinders_and_cones_of_any_proportions() {
+    let mut seed = 29;
+    let mut hits = 0;
+    for case in 0..60_000 {
+        let size = |exponent: f64| libm::pow(10.0, exponent);
+        let (half, radius) = (size(4.0 * random(&mut seed)), size(4.0 * random(&mut seed)));
+        let reach = libm::sqrt(half * half + radius * radius);
+        // At points of and in the shape, some from far away, some straight along an axis.
+        let (p, turn) = (vector(&mut seed), 3.2 * random(&mut seed));
+        let target = DVec3::new(libm::cos(turn) * radius * p.x, libm::sin(turn) * radius * p.x, half * p.y);
+        let mut origin = target + vector(&mut seed) * reach * size(3.0 * (p.z + 1.0));
+        match case % 5 {
+            0 => (origin.x, origin.y) = (target.x, target.y),
+            1 => origin.z = target.z,
+            _ => {}
+        }
+        let away = length(target - origin);
+        let direction = (target - origin) / away;
+        let ray = Ray { origin, direction, length: 2.0 * away };
+        let [half, radius] = [half as f32, radius as f32];
+        let solid = if case % 2 == 0 {
+            Solid::Cylinder { half_height: half, radius }
+        } else {
+            Solid::Cone { half_height: half, radius }
+        };
+        let [half, radius] = [half, radius].map(f64::from);
+        let round = 1.0e-13 * (reach + away);
+        // How far outside a point is, by its greatest excess over a bounding surface.
+        let slant = libm::sqrt(radius * radius + 4.0 * half * half);
+        let outside = |p: DVec3| {
+            let across = libm::sqrt(p.x * p.x + p.y * p.y);
+            let side = if case % 2 == 0 {
+                across - radius
+            } else {
+                (2.0 * half * across - radius * (half - p.z)) / slant
+            };
+            let end = if case % 2 == 0 { p.z.abs() - half } else { -half - p.z };
+            if side > end { side } else { end }
+        };
+        let Some(found) = first(&solid, &ray) else {
+            assert!(outside(target) > -round, "{case}: {ray:?} misses {solid:?}");
+            continue;
+        };
+        hits += 1;
+        if found.distance == 0.0 {
+            assert!(outside(origin) <= round, "{case}: {ray:?} {solid:?}");
+            continue;
+        }
+        let at = origin + direction * found.distance;
+        // Where the ray grazes, its place is as uncertain as the root of the rounding.
+        assert!(outside(at).abs() < 1.0e-7 * reach + round, "{case}: {} {ray:?} {solid:?}", outside(at));
+        assert!((length(found.normal) - 1.0).abs() < 1.0e-6, "{case}: {found:?} {solid:?}");
+        assert!(found.normal.dot(direction) < 1.0e-6, "{case}: {found:?} {ray:?} {solid:?}");
+        let before = origin + direction * (found.distance * 0.999);
+        assert!(outside(before) > -round - 1.0e-9 * reach, "{case}: {found:?} {ray:?} {solid:?}");
+    }
+    assert!(hits > 30_000, "{hits}");
+}
+
+#[test]
 fn grazing_balls_meet_or_pass() {
     let ball = Solid::Sphere { radius: 1.0 };
     let core = Core::new(&ball).unwrap();
@@ -134,6 +198,9 @@ fn shape(kind: usize, size: f32, hull: &hull::HullTables) -> Solid<'_> {
         0 => Solid::Sphere { radius: size },
         1 => Solid::Capsule { half_height: size, radius: 0.2 * size },
         2 => Solid::Box { half_extents: Vec3::new(1.0, 0.05, 0.6) * size },
+        3 => Solid::Cylinder { half_height: size, radius: 0.4 * size },
+        4 => Solid::Cone { half_height: 0.5 * size, radius: size },
+        5 => Solid::RoundedHull { hull: hull.view(), radius: 0.1 * size },
         _ => Solid::Hull(hull.view()),
     }
 }
@@ -148,9 +215,9 @@ fn shapes_of_all_sizes_stop_where_they_touch() {
         hull::build(&points).unwrap()
     });
     let (mut hits, mut worst) = (0, 0.0);
-    for case in 0..6000 {
+    for case in 0..12_000 {
         let [i, j] = [case % 3, case / 3 % 3];
-        let (a, b) = (shape(case / 9 % 4, sizes[i], &hulls[i]), shape(case / 36 % 4, sizes[j], &hulls[j]));
+        let (a, b) = (shape(case / 9 % 7, sizes[i], &hulls[i]), shape(case / 63 % 7, sizes[j], &hulls[j]));
         let (core_a, core_b) = (Core::new(&a).unwrap(), Core::new(&b).unwrap());
         let reach = core_a.extent() + core_b.extent();
         let turn = super::super::frame::narrowed(vector(&mut seed) * 3.0);
@@ -177,10 +244,15 @@ fn shapes_of_all_sizes_stop_where_they_touch() {
         worst = if gap > worst { gap } else { worst };
         assert!(found.normal.dot(direction) < 1.0e-9, "{case}: {found:?}");
         assert!(gap < 1.0e-5, "{case}: {gap} {found:?} {a:?} {b:?}");
-        assert!(
-            (found.point.dot(found.normal) - high).abs() < 1.0e-5 * f64::from(smaller),
-            "{case}: {found:?}"
-        );
+        // The point belongs to both.
+        let off = (found.point.dot(found.normal) - high).abs();
+        let point =
+            Pair { a: &core_b, b: &Core::POINT, b_in_a: Frame::IDENTITY.at(frame.untransform(found.point)) };
+        let off_moving = point.separation(&mut point.start()).distance - core_b.radius;
+        assert!(off < 1.0e-5 * f64::from(smaller), "{case}: {off} {found:?}");
+        // A point is as exact as a direction times the larger shape.
+        let limit = 1.0e-5 * f64::from(smaller) + 1.0e-9 * reach;
+        assert!(off_moving < limit, "{case}: {off_moving} {found:?} {a:?} {b:?}");
     }
     assert!(hits > 2000, "{hits} hits, worst gap {worst} of the smaller size");
 }
