@@ -64,9 +64,11 @@ pub(crate) struct JointLink {
     pub now_b: [LaneVec; 2],
     pub back_a: [LaneVec; 2],
     pub back_b: [LaneVec; 2],
-    /// 1 for a free top.
+    /// 1 for a free top, and its axis whose moment stands out.
     pub top_a: Lane,
     pub top_b: Lane,
+    pub far_a: LaneVec,
+    pub far_b: LaneVec,
     /// From the centers to the points of the joint, and from the center of A to that of B.
     pub arm_a: LaneVec,
     pub arm_b: LaneVec,
@@ -262,8 +264,12 @@ fn visit_link<const N: usize>(
         }
         Pass::Follow => follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb)),
         Pass::Relax => {
-            let before: [Push; N] = core::array::from_fn(|i| Push::of(&locks[i].ways));
+            let mut before: [Push; N] = core::array::from_fn(|i| Push::of(&locks[i].ways));
+            let axes = (link.far_a, link.far_b);
             follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb));
+            if link.tops != 0 {
+                solve::take_along(&mut before, link, axes);
+            }
             let means: [Push; N] = core::array::from_fn(|i| before[i].mean(&locks[i].ways));
             solve::relaxed(&mut u, link, (locks, bounds), &means);
             if sweep.relaxes_again {

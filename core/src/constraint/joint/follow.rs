@@ -325,6 +325,8 @@ fn advance(link: &mut JointLink, seats: &[Seat], substep: f32) -> [LaneVec; 3] {
     if link.tops != 0 {
         link.now_a = about_a.of_root(&link.now_a);
         link.now_b = about_b.of_root(&link.now_b);
+        link.far_a = about_a.of(link.far_a);
+        link.far_b = about_b.of(link.far_b);
     }
     [moved, turn_a, turn_b]
 }

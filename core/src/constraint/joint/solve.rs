@@ -130,6 +130,39 @@ impl Push {
     }
 }
 
+/// Takes the torques on tops along with their axes, which were `axes` before the substep. The mean of what was and of
+/// what is then lies across the axis as it is: otherwise every relax sweep would spin a slender body about it.
+pub(super) fn take_along(pushes: &mut [Push], link: &JointLink, axes: (LaneVec, LaneVec)) {
+    let (on_a, on_b) = (Swing::between(axes.0, link.far_a), Swing::between(axes.1, link.far_b));
+    let zero = Lane::ZERO;
+    let (is_a, is_b) = (link.top_a.greater(zero), link.top_b.greater(zero));
+    for push in pushes {
+        let a = root_times(&link.root_a, on_a.of(root_times(&link.back_a, push.a)));
+        let b = root_times(&link.root_b, on_b.of(root_times(&link.back_b, push.b)));
+        (push.a, push.b) = (is_a.select_vec(a, push.a), is_b.select_vec(b, push.b));
+    }
+}
+
+/// The least rotation from one unit vector to another.
+struct Swing {
+    across: LaneVec,
+    share: Lane,
+}
+
+impl Swing {
+    fn between(from: LaneVec, to: LaneVec) -> Self {
+        let one = Lane::splat(1.0);
+        let share = one / (one + from.dot(to)).greatest(Lane::splat(1.0e-3));
+        Self { across: from.cross(to), share }
+    }
+
+    /// `v + c x v + c x (c x v) / (1 + a . b)` with `c = a x b`.
+    fn of(&self, v: LaneVec) -> LaneVec {
+        let turned = self.across.cross(v);
+        v + turned + self.across.cross(turned).times(self.share)
+    }
+}
+
 /// How much faster the points part in the mean of the substep than now because the bodies turn: by half a substep's
 /// acceleration.
 #[inline(always)]
