@@ -58,7 +58,8 @@ pub(super) fn nudge<const N: usize>(
     let curvature = curvature(u, link, sweep.substep);
     let wanted = core::array::from_fn(|i| {
         let row = &locks[i];
-        row.error * row.rate + row.ways.direction.dot(curvature)
+        // Immovable bodies have no nudges: their motion is in the velocities.
+        row.error * row.rate + row.ways.direction.dot(curvature) - row.ways.drift
     });
     let x = solve_locks(nudges, locks, wanted);
     for (row, x) in locks.iter().zip(x) {
