@@ -10,6 +10,9 @@ use bytemuck::{Pod, Zeroable};
 /// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
 const PIVOT_SHARE: f32 = 1.0e-5;
 
+/// Fastest way back of a rigid lock, m/s or rad/s: joints that contradict each other must not fling what they hold.
+const NUDGE_MAX: f32 = 10.0;
+
 /// Applies the impulses of the step before.
 pub(super) fn warm<const N: usize>(u: &mut Velocities, locks: &[LockRow; N], bounds: &[BoundRow]) {
     for row in bounds {
@@ -56,10 +59,12 @@ pub(super) fn nudge<const N: usize>(
     sweep: &Sweep,
 ) {
     let curvature = curvature(u, link, sweep.substep);
+    let most = Lane::splat(NUDGE_MAX);
     let wanted = core::array::from_fn(|i| {
         let row = &locks[i];
         // Immovable bodies have no nudges: their motion is in the velocities.
-        row.error * row.rate + row.ways.direction.dot(curvature) - row.ways.drift
+        let back = (row.error * row.rate).least(most).greatest(-most);
+        back + row.ways.direction.dot(curvature) - row.ways.drift
     });
     let x = solve_locks(nudges, locks, wanted);
     for (row, x) in locks.iter().zip(x) {
@@ -131,36 +136,15 @@ impl Push {
     }
 }
 
-/// Takes the torques on tops along with their axes, which were `axes` before the substep. The mean of what was and of
-/// what is then lies across the axis as it is: otherwise every relax sweep would spin a slender body about it.
+/// Gives torques on tops the share about their axes that they had, when the axes were `axes`. The mean of what was and
+/// of what is then lies across an axis if both did: otherwise every relax sweep would spin a slender body about it.
 pub(super) fn take_along(pushes: &mut [Push], link: &JointLink, axes: (LaneVec, LaneVec)) {
-    let (on_a, on_b) = (Swing::between(axes.0, link.far_a), Swing::between(axes.1, link.far_b));
-    let zero = Lane::ZERO;
-    let (is_a, is_b) = (link.top_a.greater(zero), link.top_b.greater(zero));
+    let (changed_a, changed_b) = (axes.0 - link.far_a, axes.1 - link.far_b);
+    let (far_a, far_b) = (root_times(&link.root_a, link.far_a), root_times(&link.root_b, link.far_b));
     for push in pushes {
-        let a = root_times(&link.root_a, on_a.of(root_times(&link.back_a, push.a)));
-        let b = root_times(&link.root_b, on_b.of(root_times(&link.back_b, push.b)));
-        (push.a, push.b) = (is_a.select_vec(a, push.a), is_b.select_vec(b, push.b));
-    }
-}
-
-/// The least rotation from one unit vector to another.
-struct Swing {
-    across: LaneVec,
-    share: Lane,
-}
-
-impl Swing {
-    fn between(from: LaneVec, to: LaneVec) -> Self {
-        let one = Lane::splat(1.0);
-        let share = one / (one + from.dot(to)).greatest(Lane::splat(1.0e-3));
-        Self { across: from.cross(to), share }
-    }
-
-    /// `v + c x v + c x (c x v) / (1 + a . b)` with `c = a x b`.
-    fn of(&self, v: LaneVec) -> LaneVec {
-        let turned = self.across.cross(v);
-        v + turned + self.across.cross(turned).times(self.share)
+        // The axes of what is no top are 0.
+        push.a = push.a + far_a.times(changed_a.dot(root_times(&link.back_a, push.a)));
+        push.b = push.b + far_b.times(changed_b.dot(root_times(&link.back_b, push.b)));
     }
 }
 
