@@ -98,7 +98,8 @@ fn a_distance_of_nothing() {
         for _ in 0..300 {
             world.step(&mut Serial);
             // What pulls two points together in a few steps may throw them past each other, by a hand's breadth.
-            assert!(energy(&world, body, GRAVITY) < start + 0.5);
+            let now = energy(&world, body, GRAVITY);
+            assert!(now < start + 0.5, "{lower} to {upper} from {apart}: {now} J");
         }
         let distance = coordinate(&world, joint, X);
         println!("{lower} to {upper} from {apart}: {distance}");
@@ -162,7 +163,7 @@ fn joints_that_start_open_close() {
             assert!(most < 60.0, "{most} J from the pull of open joints");
             // The heavy one closes at once; the light one between them takes its time (one sweep a substep).
             let gaps = joints.map(|joint| gap(&world, joint));
-            assert!(gaps[0] < 2.5 && gaps[1] < 1.0e-2, "{gaps:?}");
+            assert!(gaps[0] < 2.8 && gaps[1] < 1.0e-2, "{gaps:?}");
             assert!(norm(spin(&world, a)).is_finite());
         }
     }
