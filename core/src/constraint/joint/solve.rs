@@ -8,7 +8,7 @@ use crate::lanes::{Lane, LaneVec, Mask};
 use bytemuck::{Pod, Zeroable};
 
 /// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
-const PIVOT_SHARE: f32 = 1.0e-5;
+pub(super) const PIVOT_SHARE: f32 = 1.0e-5;
 
 /// Fastest way back of a rigid lock, m/s or rad/s: joints that contradict each other must not fling what they hold.
 const NUDGE_MAX: f32 = 10.0;
@@ -226,22 +226,25 @@ impl BoundRow {
 /// The impulses that solve all locks at once: `(K + give) x = -(rate + wanted)`.
 #[inline(always)]
 fn solve_locks<const N: usize>(u: &Velocities, locks: &[LockRow; N], wanted: [Lane; N]) -> [Lane; N] {
-    let mut x = [Lane::ZERO; N];
-    for i in 0..N {
-        let mut y = -(locks[i].ways.rate(u) + wanted[i]);
-        for (factor, before) in locks[i].factor.iter().zip(&x[..i]) {
-            y = y - *factor * *before;
-        }
-        x[i] = y;
-    }
-    for i in (0..N).rev() {
-        let mut y = x[i] * locks[i].inverse;
-        for j in i + 1..N {
-            y = y - locks[j].factor[i] * x[j];
-        }
-        x[i] = y;
-    }
+    let mut x: [Lane; N] = core::array::from_fn(|i| -(locks[i].ways.rate(u) + wanted[i]));
+    substitute(locks, &mut x);
     x
+}
+
+/// Solves `L D Lt x = y`; `x` holds y.
+#[inline(always)]
+pub(super) fn substitute(locks: &[LockRow], x: &mut [Lane]) {
+    for (i, row) in locks.iter().enumerate() {
+        for (j, factor) in row.factor.iter().enumerate().take(i) {
+            x[i] = x[i] - *factor * x[j];
+        }
+    }
+    for (i, row) in locks.iter().enumerate().rev() {
+        x[i] = x[i] * row.inverse;
+        for (j, other) in locks.iter().enumerate().skip(i + 1) {
+            x[i] = x[i] - other.factor[i] * x[j];
+        }
+    }
 }
 
 /// Factors `K + give` into `L D Lt`. A row that the rows before it imply gets no pivot, and no impulse. `masses`
