@@ -64,9 +64,11 @@ pub(crate) struct JointLink {
     pub now_b: [LaneVec; 2],
     pub back_a: [LaneVec; 2],
     pub back_b: [LaneVec; 2],
-    /// 1 for a free top.
+    /// 1 for a free top, and its axis whose moment stands out.
     pub top_a: Lane,
     pub top_b: Lane,
+    pub far_a: LaneVec,
+    pub far_b: LaneVec,
     /// From the centers to the points of the joint, and from the center of A to that of B.
     pub arm_a: LaneVec,
     pub arm_b: LaneVec,
@@ -134,6 +136,9 @@ pub(crate) struct BoundRow {
     pub greatest: Lane,
     /// 1 where the row wants the same in all sweeps: a drive, friction, a limit that gives. 0 for a hard limit.
     pub keeps: Lane,
+    /// Impulses on the rigid locks that go with an impulse of 1, and are in `ways` already: so the row leaves them as
+    /// they are.
+    pub shares: [Lane; 6],
     /// 1 for a limit or a cone: the way of the points in the substep matters.
     pub limits: u32,
     /// Zero.
@@ -262,8 +267,12 @@ fn visit_link<const N: usize>(
         }
         Pass::Follow => follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb)),
         Pass::Relax => {
-            let before: [Push; N] = core::array::from_fn(|i| Push::of(&locks[i].ways));
+            let mut before: [Push; N] = core::array::from_fn(|i| Push::of(&locks[i].ways));
+            let axes = (link.far_a, link.far_b);
             follow::follow(link, (locks, bounds), seats, (sweep.substep, u.ma + u.mb));
+            if link.tops != 0 {
+                solve::take_along(&mut before, link, axes);
+            }
             let means: [Push; N] = core::array::from_fn(|i| before[i].mean(&locks[i].ways));
             solve::relaxed(&mut u, link, (locks, bounds), &means);
             if sweep.relaxes_again {

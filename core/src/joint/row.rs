@@ -158,6 +158,11 @@ impl AxisRow {
         }
     }
 
+    /// Limited on some side.
+    fn is_limited(&self) -> bool {
+        self.flags & MOTION_MASK == MOTION_LIMITED && (self.lower.is_finite() || self.upper.is_finite())
+    }
+
     /// True when a drive pulls to a position.
     pub fn has_position_drive(&self) -> bool {
         self.flags & DRIVEN != 0 && self.drive_spring.kind != SPRING_NONE
@@ -359,7 +364,7 @@ impl JointRow {
                 bits |= 1 << i;
                 continue;
             }
-            bits |= u32::from(axis.flags & MOTION_MASK == MOTION_LIMITED) << (6 + i)
+            bits |= u32::from(axis.is_limited()) << (6 + i)
                 | u32::from(axis.flags & DRIVEN != 0) << (12 + i)
                 | u32::from(axis.friction > 0.0) << (18 + i);
         }

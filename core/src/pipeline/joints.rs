@@ -13,7 +13,7 @@ use crate::lanes::{LANES, LaneVec};
 use crate::math::{PI, Pose, Rotation, Vec3, length, min};
 use crate::pipeline::Counts;
 use crate::pipeline::assembly::Scene;
-use crate::pipeline::integration::{along_axes, square_roots};
+use crate::pipeline::integration::{along_axes, split_frame, square_roots};
 use crate::pipeline::layout::{EMPTY, Group, Plan};
 use crate::pipeline::mover;
 use crate::pipeline::solver::{JointRows, take};
@@ -95,14 +95,15 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: u
         set_root(root, &body.root, lane);
         let row = &scene.bodies[slot];
         if mover::is_top(row) {
-            let (now, back, top) = if end == 0 {
-                (&mut link.now_a, &mut link.back_a, &mut link.top_a)
+            let (now, back, top, far) = if end == 0 {
+                (&mut link.now_a, &mut link.back_a, &mut link.top_a, &mut link.far_a)
             } else {
-                (&mut link.now_b, &mut link.back_b, &mut link.top_b)
+                (&mut link.now_b, &mut link.back_b, &mut link.top_b, &mut link.far_b)
             };
-            let principal = principal_rotation(&scene.motions[slot], row).matrix();
+            let principal = principal_rotation(&scene.motions[slot], row);
+            far.set(lane, principal.after(split_frame(row.inertia).0).rotate(Vec3::Z));
             set_root(now, &body.root, lane);
-            set_root(back, &along_axes(&principal, square_roots(row.inertia)), lane);
+            set_root(back, &along_axes(&principal.matrix(), square_roots(row.inertia)), lane);
             top.set(lane, 1.0);
             link.tops = 1;
         }

@@ -200,11 +200,8 @@ fn joints_allocate_nothing() {
             world.set_joint(joint, &kept).expect("its own definition");
             world.set_joint_axis(new, TURN_X, &Axis::limited(-1.0, 1.0)).expect("in range");
             world.step(&mut Serial);
-            std::hint::black_box((
-                world.joint_force(new),
-                world.joint_coordinates(new),
-                world.joints().count(),
-            ));
+            assert!(world.joint_force(new).is_ok() && world.joint_coordinates(new).is_ok());
+            assert!(world.joints().count() > 100);
             world.remove_joint(new).expect("it exists");
             let length = world.save(&mut buffer).expect("the buffer is large enough");
             world.restore(&buffer[..length]).expect("its own snapshot");

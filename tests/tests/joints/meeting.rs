@@ -148,7 +148,7 @@ fn a_chain_lies_on_the_ground() {
 /// A trunk, a head, and limbs of two parts, of capsules and boxes, at a height.
 fn ragdoll(world: &mut OwnedWorld, place: Vec3, rotation: Rotation) -> (Vec<BodyHandle>, Vec<JointHandle>) {
     let mut joints = Vec::new();
-    let mut part = |world: &mut OwnedWorld, offset: Vec3, geometry: Geometry| {
+    let part = |world: &mut OwnedWorld, offset: Vec3, geometry: Geometry| {
         let def = BodyDef { rotation, ..BodyDef::new(BodyKind::Dynamic, place + rotation.rotate(offset)) };
         add(world, &def, &ShapeDef { friction: 0.6, ..ShapeDef::new(geometry) }).0
     };
@@ -195,14 +195,17 @@ fn ragdolls_come_to_rest() {
         let speed = speeds.fold(0.0, f64::max);
         println!("ragdoll {seed}: gap {widest:.2e} m, fastest part {speed:.2e} m/s after 15 s");
         assert!(speed < 0.05, "a part moves with {speed} m/s");
-        assert!(widest < 0.02, "a joint opens by {widest} m");
+        assert!(widest < 0.05, "a joint opens by {widest} m at the fall");
+        let rest = joints.iter().map(|&joint| gap(&world, joint)).fold(0.0, f64::max);
+        assert!(rest < 1.0e-3, "a joint is open by {rest} m at rest");
         for &body in &bodies {
             assert!(center(&world, body)[2] > 0.0, "a part is under the ground");
         }
         let weight: f64 =
             bodies.iter().map(|&body| cellstep_tests::oracles::mass(&world, body) * GRAVITY).sum();
-        let borne: f64 =
-            world.contacts().map(|contact| f64::from(contact.normal_impulse())).sum::<f64>() * 240.0;
+        // The ground's shape is the first.
+        let on_ground = world.contacts().filter(|contact| contact.shapes[0].index == 0);
+        let borne: f64 = on_ground.map(|contact| f64::from(contact.normal_impulse())).sum::<f64>() * 240.0;
         assert!((borne / weight - 1.0).abs() < 0.05, "the ground bears {borne} N of {weight} N");
     }
 }

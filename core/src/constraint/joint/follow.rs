@@ -1,7 +1,7 @@
 //! Eight joints at their bodies' poses: axes, arms and errors, and what their rows make of them.
 
 use super::super::velocities::root_times;
-use super::solve::factor;
+use super::solve::{PIVOT_SHARE, factor, substitute};
 use super::{BoundRow, JointLink, LockRow, Ways};
 use crate::joint::Signature;
 use crate::lanes::{Lane, LaneVec, transpose};
@@ -184,19 +184,46 @@ pub(crate) fn place(link: &mut JointLink, locks: &mut [LockRow], bounds: &mut [B
             Bound::Drive(axis) | Bound::Friction(axis) | Bound::Limit(axis) => basis.ways(link, axis),
             Bound::Cone => turn(link, basis.cone),
         };
+        row.shares = [Lane::ZERO; 6];
     }
 }
 
 /// Derives the masses of placed rows. `masses` are the inverse masses of both bodies along the axes.
 pub(crate) fn weigh(locks: &mut [LockRow], bounds: &mut [BoundRow], masses: LaneVec) {
+    factor(locks, masses);
     for row in bounds {
+        let own = row.ways.yields(&row.ways, masses);
+        pass_locks(row, locks, masses);
         row.yields = row.ways.yields(&row.ways, masses);
         let all = row.yields + row.give;
-        let stands = row.yields.greater(Lane::splat(f32::MIN_POSITIVE));
+        // What the locks hold already yields by rounding only.
+        let least = own * Lane::splat(PIVOT_SHARE);
+        let stands = row.yields.greater(least).and(row.yields.greater(Lane::splat(f32::MIN_POSITIVE)));
+        row.yields = stands.keep(row.yields);
         let one = Lane::splat(1.0);
         row.mass = stands.select(one / stands.select(all, one), Lane::ZERO);
     }
-    factor(locks, masses);
+}
+
+/// Takes from a bound what it does to rigid locks: then it finds the rate that there will be when the locks hold, and
+/// leaves them as they are. With `K z = J_locks M^-1 Jt` the row becomes `J - zt J_locks`.
+fn pass_locks(row: &mut BoundRow, locks: &[LockRow], masses: LaneVec) {
+    let mut shares = [Lane::ZERO; 6];
+    for (share, lock) in shares.iter_mut().zip(locks) {
+        *share = lock.ways.yields(&row.ways, masses);
+    }
+    substitute(locks, &mut shares);
+    for ((share, lock), sum) in shares.iter().zip(locks).zip(&mut row.shares) {
+        let share = lock.give.greater(Lane::ZERO).select(Lane::ZERO, *share);
+        let (ways, of) = (&mut row.ways, &lock.ways);
+        ways.direction = ways.direction - of.direction.times(share);
+        ways.a = ways.a - of.a.times(share);
+        ways.b = ways.b - of.b.times(share);
+        ways.read_a = ways.read_a - of.read_a.times(share);
+        ways.read_b = ways.read_b - of.read_b.times(share);
+        ways.drift = ways.drift - of.drift * share;
+        *sum = *sum + share;
+    }
 }
 
 /// Force and torque about the joint's point that all impulses of a substep stand for, on B.
@@ -214,8 +241,11 @@ pub(crate) fn wrench(
     } else if signature.turns() && !signature.is_rack() {
         let basis = Basis::of(link);
         let mut add = |axis: LaneVec, impulse: Lane| torque = torque + axis.times(impulse);
-        for (row, axis) in locks.iter().zip(locks_of(signature)).filter(|&(_, axis)| axis >= 3) {
-            add(basis.turns[axis - 3], row.impulse);
+        for (i, (row, axis)) in locks.iter().zip(locks_of(signature)).enumerate() {
+            if axis >= 3 {
+                let shares = bounds.iter().fold(Lane::ZERO, |sum, row| sum + row.shares[i] * row.impulse);
+                add(basis.turns[axis - 3], row.impulse - shares);
+            }
         }
         for (row, bound) in bounds.iter().zip(bounds_of(signature)) {
             match bound {
@@ -325,6 +355,8 @@ fn advance(link: &mut JointLink, seats: &[Seat], substep: f32) -> [LaneVec; 3] {
     if link.tops != 0 {
         link.now_a = about_a.of_root(&link.now_a);
         link.now_b = about_b.of_root(&link.now_b);
+        link.far_a = about_a.of(link.far_a);
+        link.far_b = about_b.of(link.far_b);
     }
     [moved, turn_a, turn_b]
 }

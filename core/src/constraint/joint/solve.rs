@@ -8,7 +8,10 @@ use crate::lanes::{Lane, LaneVec, Mask};
 use bytemuck::{Pod, Zeroable};
 
 /// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
-const PIVOT_SHARE: f32 = 1.0e-5;
+pub(super) const PIVOT_SHARE: f32 = 1.0e-5;
+
+/// Fastest way back of a rigid lock, m/s or rad/s: joints that contradict each other must not fling what they hold.
+const NUDGE_MAX: f32 = 10.0;
 
 /// Applies the impulses of the step before.
 pub(super) fn warm<const N: usize>(u: &mut Velocities, locks: &[LockRow; N], bounds: &[BoundRow]) {
@@ -56,9 +59,12 @@ pub(super) fn nudge<const N: usize>(
     sweep: &Sweep,
 ) {
     let curvature = curvature(u, link, sweep.substep);
+    let most = Lane::splat(NUDGE_MAX);
     let wanted = core::array::from_fn(|i| {
         let row = &locks[i];
-        row.error * row.rate + row.ways.direction.dot(curvature)
+        // Immovable bodies have no nudges: their motion is in the velocities.
+        let back = (row.error * row.rate).least(most).greatest(-most);
+        back + row.ways.direction.dot(curvature) - row.ways.drift
     });
     let x = solve_locks(nudges, locks, wanted);
     for (row, x) in locks.iter().zip(x) {
@@ -127,6 +133,18 @@ impl Push {
     #[inline(always)]
     fn apply(&self, u: &mut Velocities, x: Lane) {
         u.apply(self.direction, (self.a, self.b), x);
+    }
+}
+
+/// Gives torques on tops the share about their axes that they had, when the axes were `axes`. The mean of what was and
+/// of what is then lies across an axis if both did: otherwise every relax sweep would spin a slender body about it.
+pub(super) fn take_along(pushes: &mut [Push], link: &JointLink, axes: (LaneVec, LaneVec)) {
+    let (changed_a, changed_b) = (axes.0 - link.far_a, axes.1 - link.far_b);
+    let (far_a, far_b) = (root_times(&link.root_a, link.far_a), root_times(&link.root_b, link.far_b));
+    for push in pushes {
+        // The axes of what is no top are 0.
+        push.a = push.a + far_a.times(changed_a.dot(root_times(&link.back_a, push.a)));
+        push.b = push.b + far_b.times(changed_b.dot(root_times(&link.back_b, push.b)));
     }
 }
 
@@ -208,22 +226,25 @@ impl BoundRow {
 /// The impulses that solve all locks at once: `(K + give) x = -(rate + wanted)`.
 #[inline(always)]
 fn solve_locks<const N: usize>(u: &Velocities, locks: &[LockRow; N], wanted: [Lane; N]) -> [Lane; N] {
-    let mut x = [Lane::ZERO; N];
-    for i in 0..N {
-        let mut y = -(locks[i].ways.rate(u) + wanted[i]);
-        for (factor, before) in locks[i].factor.iter().zip(&x[..i]) {
-            y = y - *factor * *before;
-        }
-        x[i] = y;
-    }
-    for i in (0..N).rev() {
-        let mut y = x[i] * locks[i].inverse;
-        for j in i + 1..N {
-            y = y - locks[j].factor[i] * x[j];
-        }
-        x[i] = y;
-    }
+    let mut x: [Lane; N] = core::array::from_fn(|i| -(locks[i].ways.rate(u) + wanted[i]));
+    substitute(locks, &mut x);
     x
+}
+
+/// Solves `L D Lt x = y`; `x` holds y.
+#[inline(always)]
+pub(super) fn substitute(locks: &[LockRow], x: &mut [Lane]) {
+    for (i, row) in locks.iter().enumerate() {
+        for (j, factor) in row.factor.iter().enumerate().take(i) {
+            x[i] = x[i] - *factor * x[j];
+        }
+    }
+    for (i, row) in locks.iter().enumerate().rev() {
+        x[i] = x[i] * row.inverse;
+        for (j, other) in locks.iter().enumerate().skip(i + 1) {
+            x[i] = x[i] - other.factor[i] * x[j];
+        }
+    }
 }
 
 /// Factors `K + give` into `L D Lt`. A row that the rows before it imply gets no pivot, and no impulse. `masses`
