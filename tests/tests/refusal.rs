@@ -66,6 +66,7 @@ impl Poison {
             gravity_scale: self.number(1.0),
             locks: AxisLocks::NONE,
             mass: mass.then(|| self.mass()),
+            can_sleep: true,
             user: 0,
         }
     }
