@@ -64,8 +64,8 @@ impl<D: DebugDraw> Pen<'_, D> {
         }
     }
 
-    /// An arc about the origin of a pose from an angle to another, radians from the direction `x` over `y`, in lines
-    /// that are not longer than those of a full circle.
+    /// An arc about the origin of a pose from an angle to another, radians from the direction `x` over `y`, in
+    /// lines that are not longer than those of a full circle.
     pub fn sector(&mut self, pose: &Pose, (x, y): (Vec3, Vec3), [from, to]: [f32; 2]) {
         let step = 2.0 * PI / CIRCLE as f32;
         let lines = libm::ceilf((to - from) / step - 1.0e-3);

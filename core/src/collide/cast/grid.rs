@@ -310,26 +310,30 @@ mod tests {
             found.sort_unstable();
             assert_eq!(found, expected, "{case}: {ray:?}");
             hits += expected.len();
-            // Boxes near the field: all that is as near is visited.
-            let center = (vector(&mut seed) + DVec3::new(0.5, 0.5, 0.0)) * size;
-            let half = vector(&mut seed).abs() * size * 0.1;
-            let (low, high) = (center - half, center + half);
-            let gap = |index: u32| {
-                let corners = field.triangle(index).0.map(widened);
-                let least = corners[0].min(corners[1]).min(corners[2]);
-                let most = corners[0].max(corners[1]).max(corners[2]);
-                length((least - high).max(low - most).max(DVec3::ZERO))
-            };
-            let mut nearest = f64::INFINITY;
-            around(&field, (low, high), 1.0e7, |index, _| {
-                let apart = gap(index);
-                nearest = if apart < nearest { apart } else { nearest };
-                nearest
-            });
-            let expected = all().map(gap).fold(f64::INFINITY, |a, b| if b < a { b } else { a });
-            assert!((nearest - expected).abs() <= 1.0e-9, "{case}: {nearest} {expected}");
+            check_around(&field, size, all(), &mut seed);
         }
         assert!(hits > 1500 && visits < 3000 * 400, "{hits} {visits}");
+    }
+
+    /// Boxes near the field: the nearest triangle is visited.
+    fn check_around(field: &HeightField<'_>, size: DVec3, all: impl Iterator<Item = u32>, seed: &mut u64) {
+        let center = (vector(seed) + DVec3::new(0.5, 0.5, 0.0)) * size;
+        let half = vector(seed).abs() * size * 0.1;
+        let (low, high) = (center - half, center + half);
+        let gap = |index: u32| {
+            let corners = field.triangle(index).0.map(widened);
+            let least = corners[0].min(corners[1]).min(corners[2]);
+            let most = corners[0].max(corners[1]).max(corners[2]);
+            length((least - high).max(low - most).max(DVec3::ZERO))
+        };
+        let mut nearest = f64::INFINITY;
+        around(field, (low, high), 1.0e7, |index, _| {
+            let apart = gap(index);
+            nearest = if apart < nearest { apart } else { nearest };
+            nearest
+        });
+        let expected = all.map(gap).fold(f64::INFINITY, |a, b| if b < a { b } else { a });
+        assert!((nearest - expected).abs() <= 1.0e-9, "{nearest} {expected}");
     }
 
     #[test]
