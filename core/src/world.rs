@@ -6,11 +6,13 @@ mod checksum;
 mod compounds;
 mod contacts;
 mod debug;
+mod forces;
 mod height_fields;
 mod joints;
 mod load;
 mod queries;
 mod shapes;
+mod sleep;
 mod snapshot;
 
 use crate::arena::{LINE, Line};
@@ -202,7 +204,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let pulls = self.settings().gravity != settings.gravity;
         self.header_mut().settings = SettingsRow::from(settings);
         if pulls {
-            bodies::wake_all(&mut self.state_view());
+            sleep::wake_all(&mut self.state_view());
         }
         Ok(())
     }

@@ -45,6 +45,7 @@ fn full_body(turn: RotationDoc) -> BodyDoc {
         gravity_scale: -2.5,
         locks: vec![LockDoc::MoveZ, LockDoc::TurnX],
         mass: Some(MassDoc { mass: 3.0, center: [0.0, -0.0, 0.1], inertia: [1.0, 1.1, 1.2], axes: turn }),
+        can_sleep: false,
         user: u64::MAX - 1,
         shapes: vec![
             shape(GeometryDoc::Sphere { radius: 0.1 }),
@@ -110,6 +111,8 @@ fn full() -> Scene {
             push_speed: Some(0.2),
             restitution_threshold: Some(0.3),
             block_links: Some(32),
+            sleep_time: Some(0.5),
+            sleep_speed: Some(0.02),
         },
         capacities: CapacitiesDoc { bodies: Some(9), shapes: Some(99), pairs: Some(0), contacts: Some(1) },
         materials: [("wood".to_string(), MaterialDoc { friction: 0.1, restitution: 0.2, density: 0.3 })]

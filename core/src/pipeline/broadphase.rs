@@ -114,8 +114,8 @@ fn place_of(
     ((frame, stance, Reach { min, body: shape.body, max, flags, origin, radius }), bounds)
 }
 
-/// Computes frame and reach of a shape that the update of boxes has passed over, because its body slept. `home` is the
-/// trees' sector; without one the shape counts as far from it.
+/// Computes frame and reach of a shape that the update of boxes has passed over, because its body slept. `home`
+/// is the trees' sector; without one the shape counts as far from it.
 pub(crate) fn place_shape(
     state: &State<'_>,
     (assets, dt): (&AssetTables<'_>, f32),

@@ -1,9 +1,9 @@
 //! Sleep: islands that have come to rest are taken out of the step until something wakes them.
 //!
-//! An island is a set of dynamic bodies that are joined by contacts and joints. It falls asleep at the end of a step
-//! when each of its bodies has been quiet for `Settings::sleep_time` and none of them is kept awake, or touches a
-//! kinematic body that moves. Its pairs and contacts go to arrays of their own, so that the stages of a step do not
-//! see them at all; its shapes join the tree of what rests.
+//! An island is a set of dynamic bodies that are joined by contacts and joints. It falls asleep at the end of a
+//! step when each of its bodies has been quiet for `Settings::sleep_time` and none of them is kept awake, or
+//! touches a kinematic body that moves. Its pairs and contacts go to arrays of their own, so that the stages of a
+//! step do not see them at all; its shapes join the tree of what rests.
 //!
 //! It wakes, as a whole and before the contacts of the step are found, when
 //! - a call changes one of its bodies, or a body that one of them touches or is joined to;
@@ -11,8 +11,8 @@
 //! - a joint ties it to such a body;
 //! - gravity changes.
 //!
-//! Its contacts come back with their impulses. All of this follows from the state: the islands are found by union of
-//! links whenever somebody may fall asleep or wakes, and nothing depends on how often that was.
+//! Its contacts come back with their impulses. All of this follows from the state: the islands are found by union
+//! of links whenever somebody may fall asleep or wakes, and nothing depends on how often that was.
 
 use crate::body::{ASLEEP, BodyKind, BodyRow, Motion, SLEEPLESS, WAKES};
 use crate::cells::{IMMOVABLE, UNORDERED};
@@ -33,8 +33,8 @@ const WAKE: u8 = 1;
 /// The body, or one of its island, may not sleep yet.
 const RESTLESS: u8 = 1;
 
-/// Wakes the islands that have to wake. The shapes' boxes are those of the step. Returns how many contacts came back;
-/// their places are in the scratch.
+/// Wakes the islands that have to wake. The shapes' boxes are those of the step. Returns how many contacts came
+/// back; their places are in the scratch.
 pub(crate) fn wake(
     state: &mut State<'_>,
     (assets, dt): (&AssetTables<'_>, f32),

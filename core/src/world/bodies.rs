@@ -2,10 +2,11 @@
 
 use super::World;
 use super::joints::remove_joints_of;
+use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::{
     self, ASLEEP, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
-    Position, SLEEPLESS, STOPS_AFTER_STEP, WAKES,
+    Position, SLEEPLESS, STOPS_AFTER_STEP,
 };
 use crate::collide::mass::MassAccumulator;
 use crate::error::Error;
@@ -18,8 +19,6 @@ use crate::state::{PAIRS_REMOVED, State};
 use crate::validate::{self, SPEED_MAX};
 use bytemuck::Zeroable;
 
-/// Greatest force, torque, impulse or angular impulse component that can be given, SI units.
-const EFFORT_MAX: f32 = 1.0e15;
 /// Least moment of inertia as a share of the body's greatest: thinner needles cannot be integrated in f32.
 const INERTIA_RATIO_MIN: f32 = 1.0e-7;
 /// Mass of a dynamic body whose shapes have none, kg; its inertia is that of a ball of one metre.
@@ -364,139 +363,6 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(())
     }
 
-    /// Adds a force on the center of mass for the coming step, N.
-    ///
-    /// # Errors
-    /// [`Error::Stale`], [`Error::WrongKind`] unless dynamic, or the sum of the forces leaves ±1e15.
-    pub fn apply_force(&mut self, body: BodyHandle, force: Vec3) -> Result<(), Error> {
-        self.add_effort(body, force, Vec3::ZERO)
-    }
-
-    /// Adds a force at a place, for the coming step, N.
-    ///
-    /// # Errors
-    /// As [`World::apply_force`]; the place may be at most 1e6 m from the body.
-    pub fn apply_force_at(&mut self, body: BodyHandle, force: Vec3, place: Position) -> Result<(), Error> {
-        let arm = self.arm(body, place)?;
-        validate::vector_within("force", force, EFFORT_MAX)?;
-        self.add_effort(body, force, arm.cross(force))
-    }
-
-    /// Adds a torque for the coming step, N m in the world.
-    ///
-    /// # Errors
-    /// As [`World::apply_force`].
-    pub fn apply_torque(&mut self, body: BodyHandle, torque: Vec3) -> Result<(), Error> {
-        self.add_effort(body, Vec3::ZERO, torque)
-    }
-
-    /// Changes velocity at once by an impulse on the center of mass, N s.
-    ///
-    /// # Errors
-    /// As [`World::apply_force`]; also when the velocity would leave ±1e6.
-    pub fn apply_impulse(&mut self, body: BodyHandle, impulse: Vec3) -> Result<(), Error> {
-        self.add_impulse(body, impulse, Vec3::ZERO)
-    }
-
-    /// Changes velocities at once by an impulse at a place, N s.
-    ///
-    /// # Errors
-    /// As [`World::apply_impulse`]; the place may be at most 1e6 m from the body.
-    pub fn apply_impulse_at(
-        &mut self,
-        body: BodyHandle,
-        impulse: Vec3,
-        place: Position,
-    ) -> Result<(), Error> {
-        let arm = self.arm(body, place)?;
-        validate::vector_within("impulse", impulse, EFFORT_MAX)?;
-        self.add_impulse(body, impulse, arm.cross(impulse))
-    }
-
-    /// Changes angular velocity at once by an angular impulse, N m s in the world.
-    ///
-    /// # Errors
-    /// As [`World::apply_impulse`].
-    pub fn apply_angular_impulse(&mut self, body: BodyHandle, impulse: Vec3) -> Result<(), Error> {
-        self.add_impulse(body, Vec3::ZERO, impulse)
-    }
-
-    fn arm(&self, body: BodyHandle, place: Position) -> Result<Vec3, Error> {
-        validate::position("place", &place)?;
-        let arm = place.minus(self.motion(body)?.center);
-        validate::vector_within("place", arm, 1.0e6)?;
-        Ok(arm)
-    }
-
-    fn add_effort(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
-        let slot = self.dynamic_slot(body)?;
-        let mut state = self.state_view();
-        let row = &mut state.bodies[slot];
-        validate::vector_within("force", force, EFFORT_MAX)?;
-        validate::vector_within("torque", torque, EFFORT_MAX)?;
-        validate::vector_within("force", row.force + force, EFFORT_MAX)?;
-        validate::vector_within("torque", row.torque + torque, EFFORT_MAX)?;
-        row.force += force;
-        row.torque += torque;
-        wake_slot(&mut state, slot);
-        Ok(())
-    }
-
-    fn add_impulse(&mut self, body: BodyHandle, impulse: Vec3, angular: Vec3) -> Result<(), Error> {
-        let slot = self.dynamic_slot(body)?;
-        validate::vector_within("impulse", impulse, EFFORT_MAX)?;
-        validate::vector_within("impulse", angular, EFFORT_MAX)?;
-        let mut state = self.state_view();
-        let (row, motion) = (&state.bodies[slot], &mut state.motions[slot]);
-        let locks = row.locks();
-        let mut change = impulse / row.mass;
-        for axis in 0..3 {
-            if locks >> axis & 1 == 1 {
-                change[axis] = 0.0;
-            }
-        }
-        let principal = crate::state::principal_rotation(motion, row);
-        let (root, _) = integration::root_and_whitened(principal, row.inertia, locks >> 3, Vec3::ZERO);
-        let turn = integration::root_times(&root, integration::root_times(&root, angular));
-        validate::vector_within("impulse", motion.linear + change, SPEED_MAX)?;
-        validate::vector_within("impulse", motion.angular + turn, SPEED_MAX)?;
-        motion.linear += change;
-        motion.angular += turn;
-        wake_slot(&mut state, slot);
-        Ok(())
-    }
-
-    /// True when the body sleeps: it is not solved, and rests where it is until something wakes it.
-    ///
-    /// # Errors
-    /// [`Error::Stale`].
-    pub fn is_asleep(&self, body: BodyHandle) -> Result<bool, Error> {
-        Ok(self.body_row(body)?.has(ASLEEP))
-    }
-
-    /// Wakes the body, and what it touches, in the next step. Calls that change a body do this by themselves.
-    ///
-    /// # Errors
-    /// [`Error::Stale`].
-    pub fn wake(&mut self, body: BodyHandle) -> Result<(), Error> {
-        let slot = self.body_slot(body)?;
-        wake_slot(&mut self.state_view(), slot);
-        Ok(())
-    }
-
-    /// Lets the body fall asleep, or keeps it awake.
-    ///
-    /// # Errors
-    /// [`Error::Stale`].
-    pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
-        let slot = self.body_slot(body)?;
-        let mut state = self.state_view();
-        wake_slot(&mut state, slot);
-        let row = &mut state.bodies[slot];
-        row.flags = if can_sleep { row.flags & !SLEEPLESS } else { row.flags | SLEEPLESS };
-        Ok(())
-    }
-
     /// Recomputes a body's mass from its shapes, unless it was given.
     pub(super) fn update_mass(&mut self, slot: usize) {
         let tables = self.asset_tables();
@@ -541,14 +407,14 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(body.index as usize)
     }
 
-    fn dynamic_slot(&self, body: BodyHandle) -> Result<usize, Error> {
+    pub(super) fn dynamic_slot(&self, body: BodyHandle) -> Result<usize, Error> {
         if !self.body_row(body)?.is_dynamic() {
             return Err(Error::WrongKind { needs: "forces and impulses act on dynamic bodies only" });
         }
         Ok(body.index as usize)
     }
 
-    fn body_row(&self, body: BodyHandle) -> Result<&BodyRow, Error> {
+    pub(super) fn body_row(&self, body: BodyHandle) -> Result<&BodyRow, Error> {
         let slot = self.body_slot(body)?;
         Ok(&self.layout.state.bodies.of(self.state())[slot])
     }
@@ -559,7 +425,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(&mut span.of_mut(self.state_mut())[slot])
     }
 
-    fn motion(&self, body: BodyHandle) -> Result<&Motion, Error> {
+    pub(super) fn motion(&self, body: BodyHandle) -> Result<&Motion, Error> {
         let slot = self.body_slot(body)?;
         Ok(&self.layout.state.motions.of(self.state())[slot])
     }
@@ -603,27 +469,6 @@ fn set_mass(state: &mut State<'_>, slot: u32, mass: &MassProperties) {
         motion.linear += motion.angular.cross(shift);
         if motion.center.sector != before {
             row.flags |= CHANGED_SECTOR;
-        }
-    }
-}
-
-/// The body was changed: it starts to be quiet anew, and wakes with what it touches.
-pub(super) fn wake_slot(state: &mut State<'_>, slot: usize) {
-    state.bodies[slot].count_quiet(false);
-    if state.header[0].asleep > 0 {
-        state.bodies[slot].flags |= WAKES;
-        state.header[0].wakes = 1;
-    }
-}
-
-/// Wakes every body that sleeps.
-pub(super) fn wake_all(state: &mut State<'_>) {
-    if state.header[0].asleep == 0 {
-        return;
-    }
-    for slot in 0..state.header[0].bodies.high as usize {
-        if state.bodies[slot].has(ASLEEP) {
-            wake_slot(state, slot);
         }
     }
 }

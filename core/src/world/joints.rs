@@ -1,7 +1,8 @@
 //! Creating, changing and reading joints.
 
 use super::World;
-use super::bodies::{mark_shapes, wake_slot};
+use super::bodies::mark_shapes;
+use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::turned_frame;
 use crate::error::Error;

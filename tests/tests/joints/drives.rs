@@ -77,7 +77,11 @@ fn position_drives_reach_their_target() {
             way += spin(&world, body)[1] / 60.0;
         }
         let wrapped = (coordinate(&world, joint, TURN_X) - f64::from(target)) / (2.0 * f64::from(PI));
-        judge(&format!("drive to {target}"), 6.28 * (wrapped - wrapped.round()).abs(), [1.0e-4, 1.0e-3]);
+        judge(
+            &format!("drive to {target}"),
+            std::f64::consts::TAU * (wrapped - wrapped.round()).abs(),
+            [1.0e-4, 1.0e-3],
+        );
         assert!((way - f64::from(target)).abs() < 0.5, "it turns by {way}, not by the shortest way");
         assert!(norm(spin(&world, body)) < 1.0e-3 && gap(&world, joint) < 1.0e-4);
     }

@@ -1,0 +1,93 @@
+//! Settings of a scene document.
+
+use cellstep_core::{ContactModel, Settings};
+use serde::{Deserialize, Serialize};
+
+/// The fields of [`Settings`] that a scene may change. `None` keeps the engine's default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object of settings")]
+pub struct SettingsDoc {
+    /// Length of a step, seconds, greater than 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dt: Option<f32>,
+    /// Substeps of a step, at least 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub substeps: Option<u32>,
+    /// Biased sweeps of a substep, at least 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweeps: Option<u32>,
+    /// Sweeps without bias at the end of a substep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relax_sweeps: Option<u32>,
+    /// Visits of each block in a sweep, at least 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner_sweeps: Option<u32>,
+    /// How a contact removes overlap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_model: Option<ContactModelDoc>,
+    /// Natural frequency of a soft contact, Hz; 0 follows the substep rate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_frequency: Option<f32>,
+    /// Damping of a contact as a multiple of the critical damping.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_damping_ratio: Option<f32>,
+    /// Greatest speed at which overlap is pushed out, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub push_speed: Option<f32>,
+    /// Slower approaches do not bounce, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restitution_threshold: Option<f32>,
+    /// Links of a block of the cellular ordering.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub block_links: Option<u32>,
+    /// Seconds of rest until an island falls asleep; 0 for never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sleep_time: Option<f32>,
+    /// Slower bodies are at rest, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sleep_speed: Option<f32>,
+}
+
+/// How a contact removes overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactModelDoc {
+    /// A damped spring.
+    Soft,
+    /// A share of the overlap per substep.
+    Rigid,
+}
+
+impl From<ContactModelDoc> for ContactModel {
+    fn from(model: ContactModelDoc) -> Self {
+        match model {
+            ContactModelDoc::Soft => ContactModel::Soft,
+            ContactModelDoc::Rigid => ContactModel::Rigid,
+        }
+    }
+}
+
+impl SettingsDoc {
+    /// Writes what this document changes.
+    pub fn apply(&self, settings: &mut Settings) {
+        set(&mut settings.dt, self.dt);
+        set(&mut settings.substeps, self.substeps);
+        set(&mut settings.sweeps, self.sweeps);
+        set(&mut settings.relax_sweeps, self.relax_sweeps);
+        set(&mut settings.inner_sweeps, self.inner_sweeps);
+        set(&mut settings.contact_model, self.contact_model.map(Into::into));
+        set(&mut settings.contact_frequency, self.contact_frequency);
+        set(&mut settings.contact_damping_ratio, self.contact_damping_ratio);
+        set(&mut settings.push_speed, self.push_speed);
+        set(&mut settings.restitution_threshold, self.restitution_threshold);
+        set(&mut settings.block_links, self.block_links);
+        set(&mut settings.sleep_time, self.sleep_time);
+        set(&mut settings.sleep_speed, self.sleep_speed);
+    }
+}
+
+fn set<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
+    }
+}
