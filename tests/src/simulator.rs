@@ -86,8 +86,12 @@ impl Simulator {
         let terrain = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO)).expect("room");
         let def = ShapeDef::new(Geometry::Mesh(MeshHandle(0)));
         let shape = world.create_shape(terrain, &def).expect("room");
-        let mut simulator =
-            Self { random: Random::new(seed), bodies: vec![terrain], shapes: vec![shape], joints: Vec::new() };
+        let mut simulator = Self {
+            random: Random::new(seed),
+            bodies: vec![terrain],
+            shapes: vec![shape],
+            joints: Vec::new(),
+        };
         for _ in 0..capacities.bodies / 2 {
             simulator.create(&mut world, &mut Vec::new());
         }

@@ -1,7 +1,7 @@
 //! Joints against closed forms: pendula, springs, linkages, chains, a heavy top, statics and what is conserved.
 
 use cellstep::joint::axis::{TURN_X, X};
-use cellstep::math::{PI, Pose, Rotation, Vec3};
+use cellstep::math::{self, PI, Pose, Rotation, Vec3};
 use cellstep::{Axis, BodyHandle, Drive, JointDef, JointHandle, MassProperties, Serial, Settings, Spring};
 use cellstep_tests::executors::Random;
 use cellstep_tests::jointed::{
@@ -31,14 +31,11 @@ fn rising(world: &mut OwnedWorld, seconds: u32, mut sample: impl FnMut(&OwnedWor
 fn pendulum(degrees: f32, is_hinge: bool) -> (OwnedWorld, BodyHandle, JointHandle) {
     let (mut world, base) = jointed(1, 1, 4);
     let angle = degrees.to_radians();
-    let bar = Bar::new(&mut world, Vec3::ZERO, Vec3::new(angle.sin(), 0.0, -angle.cos()));
+    let bar = Bar::new(&mut world, Vec3::ZERO, Vec3::new(math::sin(angle), 0.0, -math::cos(angle)));
     let (body, frame) = bar.end(-1.0);
     let frames = [Pose::new(Vec3::ZERO, about_y()), frame];
-    let def = if is_hinge {
-        JointDef::hinge([base, body], frames)
-    } else {
-        JointDef::ball([base, body], frames)
-    };
+    let def =
+        if is_hinge { JointDef::hinge([base, body], frames) } else { JointDef::ball([base, body], frames) };
     let joint = world.create_joint(&def).expect("room");
     (world, body, joint)
 }
@@ -124,8 +121,15 @@ fn springs_swing_as_their_frequency_says() {
         let off = found.iter().zip(&map).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         judge(&format!("2 Hz spring, {substeps} substeps, off its own map, m"), off, [1.0e-5, 1.0e-4]);
         let (overshoot, period) = crests(&found);
-        println!("2 Hz spring, {substeps} substeps: overshoot {:.2} %, period {period:.6} s", 100.0 * overshoot);
-        judge(&format!("2 Hz spring, {substeps} substeps, period"), relative(period, 0.502_519), [0.01, 0.05]);
+        println!(
+            "2 Hz spring, {substeps} substeps: overshoot {:.2} %, period {period:.6} s",
+            100.0 * overshoot
+        );
+        judge(
+            &format!("2 Hz spring, {substeps} substeps, period"),
+            relative(period, 0.502_519),
+            [0.01, 0.05],
+        );
         // Implicit Euler damps by h w / 2 beside the damper: 5.5 points of overshoot at 4 substeps.
         if substeps >= 8 {
             let error = relative(overshoot, 0.729_2);
@@ -183,7 +187,12 @@ fn four_bar(spin: f32) -> Linkage {
         hinge(&mut world, bars[2].end(1.0), fixed(d)),
     ];
     world.set_angular_velocity(bars[0].body, Vec3::new(0.0, spin, 0.0)).expect("dynamic");
-    Linkage { name: format!("four-bar at {spin} rad/s"), world, bodies: bars.map(|bar| bar.body).to_vec(), joints }
+    Linkage {
+        name: format!("four-bar at {spin} rad/s"),
+        world,
+        bodies: bars.map(|bar| bar.body).to_vec(),
+        joints,
+    }
 }
 
 /// Crank 0.3 m, rod 1 m, and a piston of 1 kg that slides along x.
@@ -298,7 +307,9 @@ fn a_heavy_top_precesses() {
         // w = W z + p e3, with w3 = W cos(t) + p.
         let w = plus([0.0, 0.0, precession], axis, spin - precession * cosine).map(|x| x as f32);
         world.set_angular_velocity(body, Vec3::from(w)).expect("dynamic");
-        world.set_linear_velocity(body, Vec3::new(0.0, (precession * l * sine) as f32, 0.0)).expect("dynamic");
+        world
+            .set_linear_velocity(body, Vec3::new(0.0, (precession * l * sine) as f32, 0.0))
+            .expect("dynamic");
         let frames = [Pose::IDENTITY, at(Vec3::new(0.0, 0.0, -0.5))];
         let joint = world.create_joint(&JointDef::ball([base, body], frames)).expect("room");
         let (mut angle, mut last, mut nods, mut widest) = (0.0, 0.0_f64, 0.0_f64, 0.0_f64);
@@ -334,7 +345,8 @@ fn tumbler() -> (OwnedWorld, Vec<BodyHandle>) {
     let mut bodies = vec![trunk];
     let head = massive(&mut world, at(Vec3::new(0.0, 0.0, 0.45)), boxed(5.0, 0.2, 0.2, 0.25));
     bodies.push(head);
-    let mut neck = JointDef::ball([trunk, head], [at(Vec3::new(0.0, 0.0, 0.3)), at(Vec3::new(0.0, 0.0, -0.15))]);
+    let mut neck =
+        JointDef::ball([trunk, head], [at(Vec3::new(0.0, 0.0, 0.3)), at(Vec3::new(0.0, 0.0, -0.15))]);
     neck.cone = Some(0.6);
     neck.axes[TURN_X] = Axis::limited(-0.8, 0.8);
     world.create_joint(&neck).expect("room");
@@ -362,9 +374,10 @@ fn tumbler() -> (OwnedWorld, Vec<BodyHandle>) {
 }
 
 fn total(world: &OwnedWorld, bodies: &[BodyHandle]) -> (Wide, Wide) {
-    bodies.iter().map(|&body| momenta(world, body)).fold(([0.0; 3], [0.0; 3]), |sum, (p, l)| {
-        (plus(sum.0, p, 1.0), plus(sum.1, l, 1.0))
-    })
+    bodies
+        .iter()
+        .map(|&body| momenta(world, body))
+        .fold(([0.0; 3], [0.0; 3]), |sum, (p, l)| (plus(sum.0, p, 1.0), plus(sum.1, l, 1.0)))
 }
 
 #[test]
@@ -404,7 +417,7 @@ fn forces_and_torques_are_those_of_statics() {
     let (mut above, mut joints) = (base, Vec::new());
     for i in 0..3 {
         let body = massive(&mut world, at(Vec3::new(0.0, 0.0, -1.0 - i as f32)), ball(2.0 + i as f32, 0.2));
-        let frames = [at(Vec3::new(0.0, 0.0, if i == 0 { -0.5 } else { -0.5 })), at(Vec3::new(0.0, 0.0, 0.5))];
+        let frames = [at(Vec3::new(0.0, 0.0, -0.5)), at(Vec3::new(0.0, 0.0, 0.5))];
         joints.push(world.create_joint(&JointDef::ball([above, body], frames)).expect("room"));
         above = body;
     }
@@ -430,7 +443,11 @@ fn forces_and_torques_are_those_of_statics() {
         // On B and against the weight: up, so about -y.
         for (&joint, (count, lever)) in joints.iter().zip([(2.0, 2.0), (1.0, 0.5)]) {
             let (f, t) = (force(&world, joint), torque(&world, joint));
-            judge(&format!("cantilever {kind}, force"), relative(f[2], 3.0 * count * GRAVITY), [1.0e-5, 1.0e-4]);
+            judge(
+                &format!("cantilever {kind}, force"),
+                relative(f[2], 3.0 * count * GRAVITY),
+                [1.0e-5, 1.0e-4],
+            );
             let marks = if kind == "fixed" { [1.0e-5, 1.0e-4] } else { [1.0e-4, 1.0e-2] };
             judge(&format!("cantilever {kind}, torque"), relative(t[1], -3.0 * lever * GRAVITY), marks);
         }

@@ -177,8 +177,8 @@ impl MoverRow {
         turned
     }
 
-    /// The nudges that joints have left in the seats, as motion of a substep. A top is moved by the momentum that it
-    /// would have with them.
+    /// The nudges that joints have left in the seats, as motion of a substep. A top is moved by the momentum that
+    /// it would have with them.
     #[cold]
     fn take_nudges(&self, seats: &[Seat; LANES], substep: f32) -> Nudge {
         let n = transpose([0, 1, 2, 3, 4, 5, 6, 7].map(|lane: usize| seats[lane].moved));

@@ -46,8 +46,16 @@ impl Simulator {
         let def = self.kind_of_joint(bodies, frames);
         JointDef {
             spring: (self.random.below(4) == 0).then(|| self.spring()),
-            break_force: if self.random.below(4) == 0 { self.random.between(100.0, 2.0e4) } else { f32::INFINITY },
-            break_torque: if self.random.below(4) == 0 { self.random.between(10.0, 2.0e3) } else { f32::INFINITY },
+            break_force: if self.random.below(4) == 0 {
+                self.random.between(100.0, 2.0e4)
+            } else {
+                f32::INFINITY
+            },
+            break_torque: if self.random.below(4) == 0 {
+                self.random.between(10.0, 2.0e3)
+            } else {
+                f32::INFINITY
+            },
             bodies_collide: self.random.below(3) == 0,
             user: self.random.bits(),
             ..def

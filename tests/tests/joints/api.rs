@@ -3,8 +3,8 @@
 use cellstep::joint::axis::{TURN_X, X};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    Axis, AxisMotion, BodyDef, BodyHandle, BodyKind, Capacities, Coupling, Drive, Error, JointDef, JointHandle,
-    Spring,
+    Axis, AxisMotion, BodyDef, BodyHandle, BodyKind, Capacities, Coupling, Drive, Error, JointDef,
+    JointHandle, Spring,
 };
 use cellstep_tests::jointed::{at, ball, force, jointed, massive, torque};
 use cellstep_tests::oracles::{GRAVITY, norm, relative, velocity};
@@ -79,7 +79,11 @@ fn a_joint_reads_back_as_defined() {
                 assert_eq!(world.joint(joint), Ok(other));
             }
             run(&mut world, 1);
-            assert_eq!(world.joint(joint), Ok(*kinds(bodies).last().expect("many")), "steps change no definition");
+            assert_eq!(
+                world.joint(joint),
+                Ok(*kinds(bodies).last().expect("many")),
+                "steps change no definition"
+            );
             world.remove_joint(joint).expect("it exists");
         }
     }
@@ -102,7 +106,9 @@ fn handles_go_stale() {
     let next = world.create_joint(&JointDef::ball([a, b], [Pose::IDENTITY; 2])).expect("room");
     assert_eq!((next.index, next.generation), (joint.index, joint.generation + 1), "lowest slot first");
     let before = world.state().to_vec();
-    for gone in [joint, JointHandle { index: 3, generation: 1 }, JointHandle { index: u32::MAX, generation: 1 }] {
+    for gone in
+        [joint, JointHandle { index: 3, generation: 1 }, JointHandle { index: u32::MAX, generation: 1 }]
+    {
         assert!(!world.contains_joint(gone));
         let def = JointDef::ball([base, a], [Pose::IDENTITY; 2]);
         assert_eq!(world.remove_joint(gone), stale);
@@ -129,7 +135,8 @@ fn handles_go_stale() {
 fn joints_of_a_body_are_in_order() {
     let (mut world, [base, a, b]) = three(8);
     let ends = [[base, a], [a, b], [b, base], [base, a], [b, a]];
-    let joints = ends.map(|bodies| world.create_joint(&JointDef::ball(bodies, [Pose::IDENTITY; 2])).expect("room"));
+    let joints =
+        ends.map(|bodies| world.create_joint(&JointDef::ball(bodies, [Pose::IDENTITY; 2])).expect("room"));
     let of = |world: &OwnedWorld, body| world.joints_of(body).expect("it exists").collect::<Vec<_>>();
     assert_eq!(of(&world, a), [joints[0], joints[1], joints[3], joints[4]]);
     assert_eq!(of(&world, b), [joints[1], joints[2], joints[4]]);
@@ -217,11 +224,15 @@ fn every_number_is_checked() {
                 _ => false,
             };
             let created = world.create_joint(&def).map(drop);
-            assert!(typed(created.clone()), "{name} as {bad}: {created:?}");
+            assert!(typed(created), "{name} as {bad}: {created:?}");
             assert_eq!(world.set_joint(joint, &def), created, "{name} as {bad}");
             for index in 0..6 {
                 if def.axes[index] != full([base, a]).axes[index] {
-                    assert_eq!(world.set_joint_axis(joint, index, &def.axes[index]), created, "{name} as {bad}");
+                    assert_eq!(
+                        world.set_joint_axis(joint, index, &def.axes[index]),
+                        created,
+                        "{name} as {bad}"
+                    );
                 }
             }
             assert!(world.state() == before, "{name} as {bad} changed the world");
@@ -269,9 +280,8 @@ fn what_does_not_fit_is_refused() {
     run(&mut world, 5);
     // A world without room for joints has none.
     let mut none = worlds::world_with(Capacities { joints: 0, ..Capacities::for_bodies(4) });
-    let bodies = [0.0, 1.0].map(|x| {
-        none.create_body(&BodyDef::new(BodyKind::Static, Vec3::new(x, 0.0, 0.0))).expect("room")
-    });
+    let bodies = [0.0, 1.0]
+        .map(|x| none.create_body(&BodyDef::new(BodyKind::Static, Vec3::new(x, 0.0, 0.0))).expect("room"));
     assert_eq!(none.create_joint(&JointDef::ball(bodies, [Pose::IDENTITY; 2])).map(drop), full_up);
     assert_eq!(none.joints_of(bodies[0]).expect("it exists").count(), 0);
 }
@@ -305,7 +315,9 @@ fn changes_keep_what_is_pressed_where_rows_stay() {
     assert!(relative(force(&world, joint)[2], 2.0 * GRAVITY) < 1.0e-4);
     // One axis: the other rows keep theirs.
     let (mut world, body, joint, _) = hanging();
-    world.set_joint_axis(joint, TURN_X, &Axis { drive: Some(Drive::motor(0.0, 5.0)), ..Axis::FREE }).expect("in range");
+    world
+        .set_joint_axis(joint, TURN_X, &Axis { drive: Some(Drive::motor(0.0, 5.0)), ..Axis::FREE })
+        .expect("in range");
     assert_eq!(force(&world, joint), load);
     run(&mut world, 1);
     assert!(norm(velocity(&world, body)) < 1.0e-4, "{:?}", velocity(&world, body));

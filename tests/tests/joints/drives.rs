@@ -52,7 +52,11 @@ fn a_motor_stalls_at_its_torque() {
         }
         // 0.01 N m on 1/3 kg m2 for 2 s.
         let expected = if moves { 0.06 } else { 0.0 };
-        judge(&format!("stall at 3, load {load}"), (spin(&world, body)[1] - expected).abs(), [1.0e-4, 1.0e-3]);
+        judge(
+            &format!("stall at 3, load {load}"),
+            (spin(&world, body)[1] - expected).abs(),
+            [1.0e-4, 1.0e-3],
+        );
     }
     // A motor that is strong enough bears a weight.
     let (mut world, body, joint) = driven(Drive::motor(0.0, 6.0), true);
@@ -73,7 +77,11 @@ fn position_drives_reach_their_target() {
             way += spin(&world, body)[1] / 60.0;
         }
         let wrapped = (coordinate(&world, joint, TURN_X) - f64::from(target)) / (2.0 * f64::from(PI));
-        judge(&format!("drive to {target}"), 6.28 * (wrapped - wrapped.round()).abs(), [1.0e-4, 1.0e-3]);
+        judge(
+            &format!("drive to {target}"),
+            f64::from(2.0 * PI) * (wrapped - wrapped.round()).abs(),
+            [1.0e-4, 1.0e-3],
+        );
         assert!((way - f64::from(target)).abs() < 0.5, "it turns by {way}, not by the shortest way");
         assert!(norm(spin(&world, body)) < 1.0e-3 && gap(&world, joint) < 1.0e-4);
     }
@@ -86,14 +94,19 @@ fn position_drives_reach_their_target() {
     let (mut world, _, joint) = driven(Drive::spring(0.0, stiff), true);
     run(&mut world, 600);
     let angle = coordinate(&world, joint, TURN_X);
-    judge("200 N m/rad under a rod, angle", relative(200.0 * angle, 0.5 * GRAVITY * angle.cos()), [1.0e-3, 1.0e-2]);
+    judge(
+        "200 N m/rad under a rod, angle",
+        relative(200.0 * angle, 0.5 * GRAVITY * angle.cos()),
+        [1.0e-3, 1.0e-2],
+    );
 }
 
 #[test]
 fn a_damper_follows_the_velocity_of_its_drive() {
     // Without stiffness the damper alone: w' = c (v - w) / I.
     let spring = Some(Spring::Stiffness { stiffness: 0.0, damping: 2.0 });
-    let (mut world, body, _) = driven(Drive { velocity: 4.0, spring, ..Drive::motor(0.0, f32::INFINITY) }, false);
+    let (mut world, body, _) =
+        driven(Drive { velocity: 4.0, spring, ..Drive::motor(0.0, f32::INFINITY) }, false);
     run(&mut world, 30);
     let expected = 4.0 * (1.0 - (1.0_f64 + 6.0 / 240.0).powi(-120));
     judge("damper at 4 rad/s", relative(spin(&world, body)[1], expected), [1.0e-4, 1.0e-3]);
@@ -118,7 +131,10 @@ fn a_slider_drives_with_its_force() {
         let expected = (5.0 * f64::from(step) / 60.0).min(1.0);
         judge("slider motor, speed", (velocity(&world, body)[0] - expected).abs(), [1.0e-5, 1.0e-4]);
     }
-    let axis = Axis { drive: Some(Drive::spring(-2.0, Spring::Frequency { hertz: 2.0, damping_ratio: 1.0 })), ..Axis::FREE };
+    let axis = Axis {
+        drive: Some(Drive::spring(-2.0, Spring::Frequency { hertz: 2.0, damping_ratio: 1.0 })),
+        ..Axis::FREE
+    };
     world.set_joint_axis(joint, X, &axis).expect("in range");
     run(&mut world, 300);
     judge("slider drive to -2, m", (coordinate(&world, joint, X) + 2.0).abs(), [1.0e-4, 1.0e-3]);
@@ -132,8 +148,12 @@ fn friction_sticks_below_and_slides_above() {
             world.apply_force(body, Vec3::new(load, 0.0, 0.0)).expect("dynamic");
             world.step(&mut Serial);
         }
-        judge(&format!("friction of 5 N under {load}"), (velocity(&world, body)[0] - speed).abs(), [1.0e-5, 1.0e-3]);
-        let expected = -f64::from(load.min(5.0_f32));
+        judge(
+            &format!("friction of 5 N under {load}"),
+            (velocity(&world, body)[0] - speed).abs(),
+            [1.0e-5, 1.0e-3],
+        );
+        let expected = -f64::from(load).min(5.0);
         judge("its force", relative(force(&world, joint)[0], expected), [1.0e-4, 1.0e-3]);
     }
     // About a hinge: 0.5 N m stop 3 rad/s on 1/3 kg m2 in 2 s.
@@ -165,7 +185,11 @@ fn a_suspension_sinks_by_its_load() {
     let def = JointDef::wheel([chassis, base], [Pose::IDENTITY; 2], spring);
     let joint = world.create_joint(&def).expect("room");
     run(&mut world, 600);
-    judge("suspension, sag", relative(coordinate(&world, joint, Z), 100.0 * GRAVITY / 1.0e4), [1.0e-4, 1.0e-3]);
+    judge(
+        "suspension, sag",
+        relative(coordinate(&world, joint, Z), 100.0 * GRAVITY / 1.0e4),
+        [1.0e-4, 1.0e-3],
+    );
     judge("suspension, force", relative(force(&world, joint)[2], -100.0 * GRAVITY), [1.0e-5, 1.0e-4]);
 }
 
@@ -191,9 +215,17 @@ fn a_wheel_spins_and_steers() {
     judge("steered wheel, angle", (coordinate(&world, joint, TURN_Z) - 0.4).abs(), [1.0e-3, 1.0e-2]);
     let axle = turned(world.rotation(wheel).expect("it exists"), [1.0, 0.0, 0.0]);
     let expected = [0.4_f64.cos(), 0.4_f64.sin(), 0.0];
-    judge("steered wheel, axle", norm([axle[0] - expected[0], axle[1] - expected[1], axle[2]]), [1.0e-3, 1.0e-2]);
+    judge(
+        "steered wheel, axle",
+        norm([axle[0] - expected[0], axle[1] - expected[1], axle[2]]),
+        [1.0e-3, 1.0e-2],
+    );
     let w = spin(&world, wheel);
-    judge("steered wheel, spin", relative(w[0] * axle[0] + w[1] * axle[1] + w[2] * axle[2], 30.0), [1.0e-3, 1.0e-2]);
+    judge(
+        "steered wheel, spin",
+        relative(w[0] * axle[0] + w[1] * axle[1] + w[2] * axle[2], 30.0),
+        [1.0e-3, 1.0e-2],
+    );
 }
 
 /// Adds an angle's change to a sum that counts turns.
@@ -209,7 +241,8 @@ fn gears_keep_their_ratio() {
         let (mut world, base) = jointed(2, 3, 4);
         let wheels = [0.0_f32, 1.0].map(|y| massive(&mut world, at(Vec3::new(0.0, y, 0.0)), disc(2.0, 0.3)));
         let hinges = [0, 1].map(|i| {
-            let mut def = JointDef::hinge([base, wheels[i]], [at(Vec3::new(0.0, i as f32, 0.0)), Pose::IDENTITY]);
+            let mut def =
+                JointDef::hinge([base, wheels[i]], [at(Vec3::new(0.0, i as f32, 0.0)), Pose::IDENTITY]);
             if i == 0 {
                 def.axes[TURN_X].drive = Some(Drive::motor(6.0, 50.0));
             } else {

@@ -3,7 +3,9 @@
 use cellstep::joint::axis::{TURN_X, TURN_Y, TURN_Z, X, Y, Z};
 use cellstep::math::{PI, Pose, Rotation, Vec3};
 use cellstep::{Axis, AxisMotion, BodyHandle, JointDef, JointHandle, Serial, Spring};
-use cellstep_tests::jointed::{Bar, about_y, at, ball, coordinate, energy, force, gap, jointed, massive, torque};
+use cellstep_tests::jointed::{
+    Bar, about_y, at, ball, coordinate, energy, force, gap, jointed, massive, torque,
+};
 use cellstep_tests::oracles::{GRAVITY, center, dot, judge, norm, relative, spin, turned, velocity, wide};
 use cellstep_tests::worlds::{OwnedWorld, run};
 
@@ -129,12 +131,18 @@ fn a_hinge_stops_at_its_limits() {
 
 #[test]
 fn one_sided_and_endless_limits() {
-    for (lower, upper) in [(f32::NEG_INFINITY, 0.5), (f32::NEG_INFINITY, f32::INFINITY), (-10.0, f32::INFINITY)] {
+    for (lower, upper) in
+        [(f32::NEG_INFINITY, 0.5), (f32::NEG_INFINITY, f32::INFINITY), (-10.0, f32::INFINITY)]
+    {
         let (mut world, body, joint) = barrier(lower, upper);
         run(&mut world, 240);
         let stops = upper.is_finite();
         let turn = coordinate(&world, joint, TURN_X);
-        assert_eq!(stops, (turn - 0.5).abs() < BEYOND && norm(spin(&world, body)) < 1.0e-2, "{upper}: {turn}");
+        assert_eq!(
+            stops,
+            (turn - 0.5).abs() < BEYOND && norm(spin(&world, body)) < 1.0e-2,
+            "{upper}: {turn}"
+        );
         assert!(gap(&world, joint) < 1.0e-3);
         // The hinge bears the rod: it did not forget its impulses.
         assert!(norm(force(&world, joint)) > 1.0, "{lower}, {upper}");
@@ -205,7 +213,8 @@ fn a_soft_limit_gives_by_its_stiffness() {
         world.step(&mut Serial);
         if coordinate(&world, joint, X) > -0.4 {
             // Not felt before it is reached.
-            untouched = untouched.max((velocity(&world, body)[2] + GRAVITY * f64::from(step + 1) / 60.0).abs());
+            untouched =
+                untouched.max((velocity(&world, body)[2] + GRAVITY * f64::from(step + 1) / 60.0).abs());
         }
     }
     assert!(untouched < 1.0e-4, "{untouched}");

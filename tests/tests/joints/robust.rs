@@ -12,7 +12,8 @@ use cellstep_tests::worlds::{OwnedWorld, run};
 fn joints_of_immovable_bodies_do_nothing() {
     let (mut world, base) = jointed(3, 3, 4);
     let other = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::new(5.0, 0.0, 0.0))).expect("room");
-    let moving = world.create_body(&BodyDef::new(BodyKind::Kinematic, Vec3::new(0.0, 5.0, 0.0))).expect("room");
+    let moving =
+        world.create_body(&BodyDef::new(BodyKind::Kinematic, Vec3::new(0.0, 5.0, 0.0))).expect("room");
     world.set_linear_velocity(moving, Vec3::X).expect("kinematic");
     let joints = [[base, other], [base, moving], [moving, other]]
         .map(|bodies| world.create_joint(&JointDef::fixed(bodies, [Pose::IDENTITY; 2])).expect("room"));
@@ -56,7 +57,9 @@ fn quarrel(defs: impl Fn([BodyHandle; 3]) -> Vec<JointDef>) -> f64 {
 
 #[test]
 fn duplicate_and_contradictory_joints_stay_bounded() {
-    let ball_at = |bodies, x: f32, y: f32| JointDef::ball(bodies, [at(Vec3::new(x, 0.0, 0.0)), at(Vec3::new(y, 0.0, 0.0))]);
+    let ball_at = |bodies, x: f32, y: f32| {
+        JointDef::ball(bodies, [at(Vec3::new(x, 0.0, 0.0)), at(Vec3::new(y, 0.0, 0.0))])
+    };
     let most = quarrel(|[base, a, b]| {
         let mut defs = vec![ball_at([a, b], 0.5, -0.5); 4];
         defs.extend([JointDef::fixed([base, a], [at(Vec3::X), Pose::IDENTITY]); 4]);
@@ -73,16 +76,27 @@ fn duplicate_and_contradictory_joints_stay_bounded() {
         hinge.axes[TURN_X].drive = Some(Drive::motor(5.0, f32::INFINITY));
         let mut against = hinge;
         against.axes[TURN_X].drive = Some(Drive::motor(-5.0, f32::INFINITY));
-        vec![hinge, against, JointDef::distance([a, b], [Vec3::ZERO; 2], 0.2, 0.2),
-            JointDef::distance([a, b], [Vec3::ZERO; 2], 3.0, 3.0)]
+        vec![
+            hinge,
+            against,
+            JointDef::distance([a, b], [Vec3::ZERO; 2], 0.2, 0.2),
+            JointDef::distance([a, b], [Vec3::ZERO; 2], 3.0, 3.0),
+        ]
     });
     println!("motors and rods against each other: {most} J");
     assert!(most < 100.0, "motors and rods against each other: {most} J");
     let most = quarrel(|[base, a, b]| {
         let mut def = JointDef::six_axis([a, b], [Pose::IDENTITY; 2]);
-        def.axes = [Axis { limit_spring: Some(Spring::Frequency { hertz: 30.0, damping_ratio: 0.1 }), ..Axis::limited(0.1, 0.2) }; 6];
+        def.axes = [Axis {
+            limit_spring: Some(Spring::Frequency { hertz: 30.0, damping_ratio: 0.1 }),
+            ..Axis::limited(0.1, 0.2)
+        }; 6];
         def.cone = Some(0.05);
-        vec![def, JointDef::gear([base, b], [Pose::IDENTITY; 2], 3.0), JointDef::rack([a, b], [Pose::IDENTITY; 2], 0.7)]
+        vec![
+            def,
+            JointDef::gear([base, b], [Pose::IDENTITY; 2], 3.0),
+            JointDef::rack([a, b], [Pose::IDENTITY; 2], 0.7),
+        ]
     });
     println!("limits that cannot all hold: {most} J");
     assert!(most < 1.0e4, "limits that cannot all hold: {most} J");
@@ -93,7 +107,9 @@ fn a_distance_of_nothing() {
     for (lower, upper, apart) in [(0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)] {
         let (mut world, base) = jointed(1, 1, 4);
         let body = massive(&mut world, at(Vec3::new(apart, 0.0, 0.0)), ball(1.0, 0.2));
-        let joint = world.create_joint(&JointDef::distance([base, body], [Vec3::ZERO; 2], lower, upper)).expect("room");
+        let joint = world
+            .create_joint(&JointDef::distance([base, body], [Vec3::ZERO; 2], lower, upper))
+            .expect("room");
         let start = energy(&world, body, GRAVITY);
         for _ in 0..300 {
             world.step(&mut Serial);
@@ -194,7 +210,8 @@ fn a_gimbal_locks_without_harm() {
 fn time_may_stand_still() {
     let (mut world, base) = jointed(1, 1, 4);
     let body = massive(&mut world, at(Vec3::X), ball(1.0, 0.2));
-    let joint = world.create_joint(&JointDef::ball([base, body], [Pose::IDENTITY, at(-Vec3::X)])).expect("room");
+    let joint =
+        world.create_joint(&JointDef::ball([base, body], [Pose::IDENTITY, at(-Vec3::X)])).expect("room");
     run(&mut world, 10);
     let stand = |world: &mut OwnedWorld, dt| {
         let settings = Settings { dt, ..world.settings() };
