@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::math::{Pose, Rotation, Vec3};
 use crate::validate::{self, SPEED_MAX};
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 pub use crate::collide::mass::MassProperties;
 
@@ -61,6 +62,28 @@ impl Position {
     /// This place moved by `v`, metres.
     pub fn plus(self, v: Vec3) -> Self {
         Self { sector: self.sector, offset: self.offset + v }.normalized()
+    }
+
+    /// The vector from `other` to here, metres, to the last bit that the positions hold.
+    pub(crate) fn minus_wide(self, other: Self) -> DVec3 {
+        let axis = |i: usize| {
+            let sectors = f64::from(self.sector[i]) - f64::from(other.sector[i]);
+            sectors * f64::from(SECTOR_SIZE) + (f64::from(self.offset[i]) - f64::from(other.offset[i]))
+        };
+        DVec3::new(axis(0), axis(1), axis(2))
+    }
+
+    /// This place moved by `v`, metres, rounded once.
+    pub(crate) fn plus_wide(self, v: DVec3) -> Self {
+        let mut place = self;
+        for axis in 0..3 {
+            let offset = f64::from(self.offset[axis]) + v[axis];
+            let far = offset.abs() > f64::from(SECTOR_REACH);
+            let sectors = if far { libm::rint(offset / f64::from(SECTOR_SIZE)) } else { 0.0 };
+            place.sector[axis] = place.sector[axis].saturating_add(sectors as i32);
+            place.offset[axis] = (offset - sectors * f64::from(SECTOR_SIZE)) as f32;
+        }
+        place
     }
 
     /// The same place with its offset inside the sector's reach, so that it is written in one way only as long
@@ -144,6 +167,8 @@ pub struct BodyDef {
     pub locks: AxisLocks,
     /// Mass, center and inertia; `None` takes them from the shapes' densities.
     pub mass: Option<MassProperties>,
+    /// False for a body that never falls asleep, and keeps awake what it touches.
+    pub can_sleep: bool,
     /// Yours; part of the state.
     pub user: u64,
 }
@@ -161,6 +186,7 @@ impl Default for BodyDef {
             gravity_scale: 1.0,
             locks: AxisLocks::NONE,
             mass: None,
+            can_sleep: true,
             user: 0,
         }
     }
@@ -261,8 +287,24 @@ pub(crate) const QUARANTINED: u32 = 8;
 pub(crate) const CHANGED_SECTOR: u32 = 16;
 /// A kinematic body reaches its target at the end of the coming step, and stops.
 pub(crate) const STOPS_AFTER_STEP: u32 = 32;
-pub(crate) const FLAGS_ALL: u32 =
-    KIND_MASK | GIVEN_MASS | QUARANTINED | CHANGED_SECTOR | STOPS_AFTER_STEP | (63 << LOCKS_SHIFT);
+/// The body sleeps: it is not solved, and stands for a static one until something wakes it.
+pub(crate) const ASLEEP: u32 = 64;
+/// The body was changed by a call: it wakes, and what touches it.
+pub(crate) const WAKES: u32 = 128;
+/// The body never sleeps, and keeps its island awake.
+pub(crate) const SLEEPLESS: u32 = 1 << 14;
+/// Bits of the number of steps that the body has been quiet.
+pub(crate) const QUIET_SHIFT: u32 = 16;
+pub(crate) const FLAGS_ALL: u32 = KIND_MASK
+    | GIVEN_MASS
+    | QUARANTINED
+    | CHANGED_SECTOR
+    | STOPS_AFTER_STEP
+    | (63 << LOCKS_SHIFT)
+    | ASLEEP
+    | WAKES
+    | SLEEPLESS
+    | (0xffff << QUIET_SHIFT);
 
 impl BodyRow {
     #[inline(always)]
@@ -277,6 +319,30 @@ impl BodyRow {
     #[inline(always)]
     pub fn is_dynamic(&self) -> bool {
         self.kind() == BodyKind::Dynamic
+    }
+
+    /// Dynamic and not asleep: it takes part in the solve.
+    #[inline(always)]
+    pub fn is_active(&self) -> bool {
+        self.flags & (KIND_MASK | ASLEEP) == BodyKind::Dynamic as u32
+    }
+
+    /// Static or asleep: it stays where it is.
+    #[inline(always)]
+    pub fn rests(&self) -> bool {
+        self.flags & ASLEEP != 0 || self.kind() == BodyKind::Static
+    }
+
+    /// Steps that the body has been quiet, at most 65535.
+    #[inline(always)]
+    pub fn quiet_steps(&self) -> u32 {
+        self.flags >> QUIET_SHIFT
+    }
+
+    /// Counts a quiet step, or starts again.
+    pub fn count_quiet(&mut self, is_quiet: bool) {
+        let steps = if is_quiet { (self.quiet_steps() + 1).min(0xffff) } else { 0 };
+        self.flags = self.flags & ((1 << QUIET_SHIFT) - 1) | steps << QUIET_SHIFT;
     }
 
     #[inline(always)]

@@ -4,20 +4,25 @@
 //! the middle between the two surfaces; its separation is negative when they overlap (SEED S3).
 
 pub mod bounds;
+pub(crate) mod cast;
 pub mod clip;
+pub mod compound;
 pub mod convex;
 pub mod distance;
 pub mod half_space;
+pub mod height_field;
 pub mod hull;
 pub mod mass;
 pub mod mesh;
 pub mod polytope;
+pub mod support;
 pub mod tree;
 pub mod triangle;
 pub(crate) mod vector64;
 
 use crate::math::{Pose, Vec3};
 use bytemuck::{Pod, Zeroable};
+use mesh::Triangles;
 
 /// Most points of a manifold.
 pub const POINTS_MAX: usize = 4;
@@ -29,6 +34,19 @@ pub const HULL_VERTICES_MAX: usize = 64;
 pub const HULL_FACES_MAX: usize = 124;
 /// Most edges of a convex hull: 3 V - 6.
 pub const HULL_EDGES_MAX: usize = 186;
+
+/// Kinds of geometry in rows of shapes and children.
+pub(crate) const GEOMETRY_SPHERE: u32 = 1;
+pub(crate) const GEOMETRY_CAPSULE: u32 = 2;
+pub(crate) const GEOMETRY_BOX: u32 = 3;
+pub(crate) const GEOMETRY_HULL: u32 = 4;
+pub(crate) const GEOMETRY_HALF_SPACE: u32 = 5;
+pub(crate) const GEOMETRY_MESH: u32 = 6;
+pub(crate) const GEOMETRY_CYLINDER: u32 = 7;
+pub(crate) const GEOMETRY_CONE: u32 = 8;
+pub(crate) const GEOMETRY_ROUNDED_HULL: u32 = 9;
+pub(crate) const GEOMETRY_HEIGHT_FIELD: u32 = 10;
+pub(crate) const GEOMETRY_COMPOUND: u32 = 11;
 
 /// A plane: the points `x` with `normal . x = offset`. Outward for a face.
 #[repr(C)]
@@ -109,6 +127,8 @@ pub struct Mesh<'a> {
     pub triangles: &'a [Triangle],
     /// Tree over the triangles' boxes: a leaf is the index of a triangle.
     pub tree: tree::Tree<'a>,
+    /// For each triangle the index of its surface in the mesh's own table; empty when it has none.
+    pub surfaces: &'a [u8],
 }
 
 /// The geometry of a shape with its tables at hand.
@@ -137,6 +157,31 @@ pub enum Solid<'a> {
     HalfSpace,
     /// Triangles.
     Mesh(Mesh<'a>),
+    /// All points within `radius` of the z axis and `half_height` of the plane z = 0.
+    Cylinder {
+        /// Half the height, metres.
+        half_height: f32,
+        /// Metres.
+        radius: f32,
+    },
+    /// Apex at `half_height` on the z axis, base of `radius` around `-half_height`.
+    Cone {
+        /// Half the height, metres.
+        half_height: f32,
+        /// Of the base, metres.
+        radius: f32,
+    },
+    /// All points within `radius` of a convex hull.
+    RoundedHull {
+        /// The core.
+        hull: Hull<'a>,
+        /// Metres.
+        radius: f32,
+    },
+    /// Heights over a grid.
+    HeightField(height_field::HeightField<'a>),
+    /// Convex children.
+    Compound(compound::Compound<'a>),
 }
 
 /// One point of contact.
@@ -153,12 +198,16 @@ pub struct ManifoldPoint {
 /// Points of contact that share a normal.
 #[derive(Clone, Debug)]
 pub struct Manifold {
-    /// Which part of a concave shape is meant: the least triangle index of the manifold; 0 between convex shapes.
+    /// Which part of a concave shape is meant, 24 bits: the least triangle index of the manifold; of a compound see
+    /// [`compound::collide`]; 0 between convex shapes.
     pub child: u32,
     /// Unit normal from A to B, in A's frame.
     pub normal: Vec3,
     /// At least one point. Features are distinct.
     pub points: heapless::Vec<ManifoldPoint, POINTS_MAX>,
+    /// Surface of the triangle that has the deepest point: 1 + its index in the table of the mesh or height field;
+    /// 0 when the triangle has none.
+    pub surface: u32,
 }
 
 /// What two shapes have in common. Children are distinct and ascending.
@@ -167,14 +216,27 @@ pub type Manifolds = heapless::Vec<Manifold, MANIFOLDS_MAX>;
 /// Finds the contacts of two shapes.
 ///
 /// `b_in_a` is the pose of B's frame in A's frame. Points farther apart than `distance` (metres, not negative)
-/// are left out. Manifolds are pushed to `out`, which comes empty. At least one of the shapes is convex, or
+/// are left out. Manifolds are pushed to `out`, which comes empty. At least one of the shapes has an inside, or
 /// there are none. Finite poses and valid shapes give finite results; the result depends on the arguments alone.
 pub fn collide(a: &Solid<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32, out: &mut Manifolds) {
     match (a, b) {
-        (Solid::HalfSpace | Solid::Mesh(_), Solid::HalfSpace | Solid::Mesh(_)) => {}
+        (
+            Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_),
+            Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_),
+        ) => {}
+        (Solid::Compound(compound), _) => compound::collide(compound, b, b_in_a, distance, out),
+        (_, Solid::Compound(_)) => {
+            collide(b, a, &b_in_a.inverse(), distance, out);
+            for manifold in out {
+                flip(manifold, b_in_a);
+            }
+        }
         (Solid::HalfSpace, _) => half_space::collide(b, b_in_a, distance, out),
-        (Solid::Mesh(mesh), _) => mesh::collide(mesh, b, b_in_a, distance, out),
-        (_, Solid::HalfSpace | Solid::Mesh(_)) => {
+        (Solid::Mesh(mesh), _) => mesh::collide(&Triangles::Mesh(mesh), b, b_in_a, distance, out),
+        (Solid::HeightField(field), _) => {
+            mesh::collide(&Triangles::HeightField(field), b, b_in_a, distance, out);
+        }
+        (_, Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_)) => {
             collide(b, a, &b_in_a.inverse(), distance, out);
             for manifold in out {
                 flip(manifold, b_in_a);

@@ -6,7 +6,7 @@ use crate::validate;
 use bytemuck::{Pod, Zeroable};
 
 /// Version of the bits: changes whenever the same snapshot and commands would give other states.
-pub const BEHAVIOUR_VERSION: u32 = 2;
+pub const BEHAVIOUR_VERSION: u32 = 3;
 
 /// Edge of a sector, metres. A power of two, so that moving by whole sectors changes no bit; 64 keeps the
 /// offset's last bit at 4 micrometres.
@@ -39,6 +39,8 @@ pub const RIGID_PUSH: f32 = 0.2;
 pub const LINEAR_SPEED_MAX: f32 = 1.0e6;
 /// Largest rotation of a body in one substep, radians: 256 splits of 0.3; faster spin is capped and reported.
 pub const TURN_MAX: f32 = 76.8;
+/// Speed below which a body is quiet, m/s: a few times what resting contacts jitter.
+pub const SLEEP_SPEED: f32 = 0.03;
 /// Target number of links of a block. With fewer the last phases percolate, with more there are fewer blocks
 /// than lanes.
 pub const BLOCK_LINKS: u32 = 64;
@@ -72,6 +74,12 @@ pub struct Settings {
     pub restitution_threshold: f32,
     /// Target number of links of a block, `8..=4096`.
     pub block_links: u32,
+    /// Seconds for which all bodies of an island have to be quiet until it falls asleep, `0..=3600`; 0 for never.
+    /// Rounded up to whole steps, at most 65535.
+    pub sleep_time: f32,
+    /// A body is quiet while its mean point, which turns at the radius of gyration, is slower than this, m/s,
+    /// `0..=1e4`.
+    pub sleep_speed: f32,
 }
 
 /// How a contact removes overlap.
@@ -98,6 +106,8 @@ impl Default for Settings {
             push_speed: PUSH_SPEED,
             restitution_threshold: RESTITUTION_THRESHOLD,
             block_links: BLOCK_LINKS,
+            sleep_time: 0.0,
+            sleep_speed: SLEEP_SPEED,
         }
     }
 }
@@ -115,7 +125,17 @@ impl Settings {
         validate::in_range("contact_damping_ratio", self.contact_damping_ratio, 0.0, 1.0e3)?;
         validate::in_range("push_speed", self.push_speed, 0.0, 1.0e4)?;
         validate::in_range("restitution_threshold", self.restitution_threshold, 0.0, 1.0e4)?;
-        validate::count_in_range("block_links", self.block_links, 8, 4096)
+        validate::count_in_range("block_links", self.block_links, 8, 4096)?;
+        validate::in_range("sleep_time", self.sleep_time, 0.0, 3600.0)?;
+        validate::in_range("sleep_speed", self.sleep_speed, 0.0, 1.0e4)
+    }
+
+    /// Quiet steps after which a body may sleep; `None` for never.
+    pub(crate) fn sleep_steps(&self) -> Option<u32> {
+        if self.sleep_time == 0.0 || self.dt == 0.0 {
+            return None;
+        }
+        Some(libm::ceilf(crate::math::clamp(self.sleep_time / self.dt, 1.0, 65_535.0)) as u32)
     }
 
     /// Length of a substep, seconds.
@@ -140,7 +160,8 @@ pub(crate) struct SettingsRow {
     push_speed: f32,
     restitution_threshold: f32,
     block_links: u32,
-    reserved: [u32; 2],
+    sleep_time: f32,
+    sleep_speed: f32,
 }
 
 impl From<&Settings> for SettingsRow {
@@ -158,7 +179,8 @@ impl From<&Settings> for SettingsRow {
             push_speed: s.push_speed,
             restitution_threshold: s.restitution_threshold,
             block_links: s.block_links,
-            reserved: [0; 2],
+            sleep_time: s.sleep_time,
+            sleep_speed: s.sleep_speed,
         }
     }
 }
@@ -184,7 +206,9 @@ impl SettingsRow {
             push_speed: self.push_speed,
             restitution_threshold: self.restitution_threshold,
             block_links: self.block_links,
+            sleep_time: self.sleep_time,
+            sleep_speed: self.sleep_speed,
         };
-        (settings.check().is_ok() && self.reserved == [0; 2]).then_some(settings)
+        settings.check().is_ok().then_some(settings)
     }
 }

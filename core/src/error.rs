@@ -40,7 +40,7 @@ pub enum Error {
     },
     /// The handle names nothing that exists now: it was removed, or it is from another world.
     Stale {
-        /// What the handle names: `body`, `shape`, `hull` or `mesh`.
+        /// What the handle names: `body`, `shape`, `hull`, `mesh`, `height field` or `compound`.
         what: &'static str,
     },
     /// The body's kind does not allow this: a static body does not move, only a dynamic one takes forces.
@@ -48,12 +48,31 @@ pub enum Error {
         /// What the call needs, for people.
         needs: &'static str,
     },
+    /// Only shapes with an inside can be moved or laid over others by a query: no half-space, mesh or height field.
+    NotConvex,
+    /// A slice is not as long as the call needs.
+    WrongLength {
+        /// Elements that are needed.
+        needed: usize,
+        /// Elements that were given.
+        given: usize,
+    },
     /// Assets are registered before the first step only.
     AssetsSealed,
     /// The points have no convex hull that this engine takes.
     Hull(crate::collide::hull::HullError),
     /// The triangles make no mesh that this engine takes.
     Mesh(crate::collide::mesh::MeshError),
+    /// The heights make no height field that this engine takes.
+    HeightField(crate::collide::height_field::HeightFieldError),
+    /// The children make no compound that this engine takes.
+    Compound(crate::collide::compound::CompoundError),
+    /// A triangle names a surface that was not given, or a number of a surface is out of its range, see
+    /// [`Surface`](crate::Surface).
+    Surface {
+        /// The first such triangle or surface.
+        index: u32,
+    },
     /// The bytes are no snapshot that this world takes.
     Snapshot(SnapshotError),
 }
@@ -83,7 +102,7 @@ pub enum SnapshotError {
     },
     /// Made by a world with other capacities: overflow rules depend on them, so they must be the same.
     Capacities,
-    /// Made with another set of hulls and meshes: register the same assets in the same order.
+    /// Made with another set of assets: register the same assets in the same order.
     Assets,
     /// The content hash does not match the bytes: damaged on the way.
     Damaged,
@@ -109,9 +128,18 @@ impl fmt::Display for Error {
             Error::NotARotation { name } => write!(f, "`{name}` is not a unit quaternion"),
             Error::Stale { what } => write!(f, "the handle names no {what} that exists now"),
             Error::WrongKind { needs } => write!(f, "wrong kind of body: {needs}"),
+            Error::NotConvex => write!(f, "a query takes shapes with an inside only"),
+            Error::WrongLength { needed, given } => {
+                write!(f, "a slice of {needed} elements was expected, {given} were given")
+            }
             Error::AssetsSealed => write!(f, "assets are registered before the first step"),
             Error::Hull(error) => write!(f, "{error}"),
             Error::Mesh(error) => write!(f, "{error}"),
+            Error::HeightField(error) => write!(f, "{error}"),
+            Error::Compound(error) => write!(f, "{error}"),
+            Error::Surface { index } => {
+                write!(f, "surface {index}, or that of triangle {index}, does not exist or is out of range")
+            }
             Error::Snapshot(error) => write!(f, "{error}"),
         }
     }

@@ -22,11 +22,13 @@ pub enum Stage {
     Solve,
     /// Results written back to the state.
     Finish,
+    /// Not of a step: a batch of queries.
+    Query,
 }
 
 impl Stage {
     /// How many stages there are.
-    pub const COUNT: usize = 7;
+    pub const COUNT: usize = 8;
     /// All stages in their order.
     pub const ALL: [Stage; Self::COUNT] = [
         Stage::Broadphase,
@@ -36,6 +38,7 @@ impl Stage {
         Stage::Assembly,
         Stage::Solve,
         Stage::Finish,
+        Stage::Query,
     ];
 
     /// The stage's name in reports: lower case, one word.
@@ -48,6 +51,7 @@ impl Stage {
             Stage::Assembly => "assembly",
             Stage::Solve => "solve",
             Stage::Finish => "finish",
+            Stage::Query => "query",
         }
     }
 }

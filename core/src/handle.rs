@@ -39,3 +39,13 @@ pub struct HullHandle(pub u32);
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
 pub struct MeshHandle(pub u32);
+
+/// Names a height field among the assets. Assets are never removed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
+pub struct HeightFieldHandle(pub u32);
+
+/// Names a compound among the assets. Assets are never removed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
+pub struct CompoundHandle(pub u32);

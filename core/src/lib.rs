@@ -7,8 +7,10 @@
 #![forbid(unsafe_code)]
 
 pub mod cells;
+pub mod clock;
 pub mod collide;
 pub mod config;
+pub mod debug;
 pub mod executor;
 pub mod math;
 
@@ -21,6 +23,7 @@ pub mod joint;
 mod lanes;
 mod pipeline;
 mod pool;
+mod query;
 mod report;
 mod shape;
 mod state;
@@ -29,11 +32,20 @@ mod world;
 
 pub use arena::Line;
 pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
+pub use clock::Clock;
 pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
+pub use debug::{DebugDraw, DebugLayers, DebugOptions};
 pub use error::{Error, SnapshotError};
 pub use executor::{Executor, Serial, Stage};
-pub use handle::{BodyHandle, HullHandle, JointHandle, MeshHandle, ShapeHandle};
+pub use handle::{
+    BodyHandle, CompoundHandle, HeightFieldHandle, HullHandle, JointHandle, MeshHandle, ShapeHandle,
+};
 pub use joint::{Axis, AxisMotion, Coupling, Drive, JointDef, Spring};
+pub use query::{
+    BodyKinds, ClosestPoint, Found, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region,
+    ShapeCast,
+};
 pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
-pub use world::{Capacities, Contact, ContactPoint, World, WorldManifold};
+pub use state::Surface;
+pub use world::{Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, World, WorldManifold};

@@ -16,8 +16,10 @@ pub(crate) mod meeting;
 pub(crate) mod mover;
 pub(crate) mod narrowphase;
 pub(crate) mod ordering;
+pub(crate) mod query_trees;
 pub(crate) mod rows;
 pub(crate) mod seat;
+pub(crate) mod sleep;
 pub(crate) mod solver;
 pub(crate) mod tasks;
 
@@ -29,7 +31,8 @@ use crate::math::Vec3;
 use crate::pool;
 use crate::report::StepReport;
 use crate::shape::{
-    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HALF_SPACE, GEOMETRY_HULL, GEOMETRY_MESH, ShapeRow,
+    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER, GEOMETRY_HALF_SPACE,
+    GEOMETRY_HEIGHT_FIELD, GEOMETRY_HULL, GEOMETRY_MESH, GEOMETRY_ROUNDED_HULL, ShapeRow,
 };
 use crate::state::{AssetTables, Cache, Scratch, State};
 use layout::Plan;
@@ -45,6 +48,8 @@ pub(crate) struct Counts {
     pub quarantined: u32,
     pub capped: u32,
     pub broken: u32,
+    /// Bodies that have been quiet for long enough.
+    pub ready: u32,
 }
 
 /// The memory of a world, region by region.
@@ -68,14 +73,17 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         state.header[0].step += 1;
         return report(state, None, (0, &counts, 0));
     }
+    // Bodies move: the trees' boxes are no longer around the shapes.
+    cache.header[0].queried = 0;
     let header = &state.header[0];
     let links = header.contacts + header.joints.count;
     let is_alone = links < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
     let moved = broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    let woken = sleep::wake(state, (assets, settings.dt), (cache, scratch), &mut counts);
     crew.executor.enter(Stage::Narrowphase);
-    let looks = (&*assets, settings.dt, moved);
+    let looks = (&*assets, settings.dt, moved, woken);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
     let links = activate(state, scratch, &mut crew);
@@ -103,7 +111,10 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     crew.executor.enter(Stage::Finish);
     let joints = (&plan, links.joints, settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
-    finish::run(state, (cache, scratch), (&plan, settings.dt), (&mut crew, &mut counts));
+    finish::run(state, (cache, scratch), (&plan, settings), (&mut crew, &mut counts));
+    if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
+        sleep::fall(state, (cache, scratch), (links, steps));
+    }
     crew.executor.leave();
     report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers))
 }
@@ -114,7 +125,7 @@ fn activate<E: Executor>(state: &State<'_>, scratch: &mut Scratch<'_>, crew: &mu
     let mut count = 0;
     scratch.active_of[..header.bodies.high as usize].fill(IMMOVABLE);
     for slot in pool::iterate(state.body_used, header.bodies.high) {
-        if state.bodies[slot as usize].is_dynamic() {
+        if state.bodies[slot as usize].is_active() {
             scratch.active_of[slot as usize] = count as u32;
             scratch.active[count].body = slot;
             count += 1;
@@ -134,6 +145,7 @@ fn report(
         step: header.step,
         bodies: header.bodies.count,
         active: bodies,
+        asleep: header.asleep,
         pairs: header.pairs,
         contacts: header.contacts,
         joints: header.joints.count,
@@ -157,6 +169,13 @@ pub(crate) fn solid<'a>(shape: &ShapeRow, assets: &AssetTables<'a>) -> Solid<'a>
         GEOMETRY_HULL => Solid::Hull(assets.hulls[shape.asset() as usize].view()),
         GEOMETRY_HALF_SPACE => Solid::HalfSpace,
         GEOMETRY_MESH => Solid::Mesh(assets.mesh(shape.asset())),
+        GEOMETRY_CYLINDER => Solid::Cylinder { radius: size[0], half_height: size[1] },
+        GEOMETRY_CONE => Solid::Cone { radius: size[0], half_height: size[1] },
+        GEOMETRY_ROUNDED_HULL => {
+            Solid::RoundedHull { hull: assets.hulls[shape.asset() as usize].view(), radius: size[1] }
+        }
+        GEOMETRY_HEIGHT_FIELD => Solid::HeightField(assets.height_field(shape.asset())),
+        GEOMETRY_COMPOUND => Solid::Compound(assets.compound(shape.asset())),
         _ => Solid::Sphere { radius: size[0] },
     }
 }

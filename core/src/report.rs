@@ -9,6 +9,8 @@ pub struct StepReport {
     pub bodies: u32,
     /// Bodies that were solved.
     pub active: u32,
+    /// Bodies that sleep at the end of the step.
+    pub asleep: u32,
     /// Pairs of shapes whose boxes overlap.
     pub pairs: u32,
     /// Contacts, each a manifold of 1 to 4 points: the links of the ordering.

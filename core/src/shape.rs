@@ -1,8 +1,12 @@
 //! Shapes: geometry on a body, with its material and filter.
 
+pub(crate) use crate::collide::{
+    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER, GEOMETRY_HALF_SPACE,
+    GEOMETRY_HEIGHT_FIELD, GEOMETRY_HULL, GEOMETRY_MESH, GEOMETRY_ROUNDED_HULL, GEOMETRY_SPHERE,
+};
 use crate::config;
 use crate::error::Error;
-use crate::handle::{HullHandle, MeshHandle};
+use crate::handle::{CompoundHandle, HeightFieldHandle, HullHandle, MeshHandle};
 use crate::math::{Aabb, Pose, Vec3};
 use crate::validate::{self, EXTENT_MAX, EXTENT_MIN};
 use bytemuck::{Pod, Zeroable};
@@ -33,6 +37,33 @@ pub enum Geometry {
     HalfSpace,
     /// A registered triangle mesh. Static and kinematic bodies only take part with it.
     Mesh(MeshHandle),
+    /// Cylinder around the z axis, from `-half_height` to `half_height`.
+    Cylinder {
+        /// Half the height, metres, 1e-5..=1e5.
+        half_height: f32,
+        /// Metres, 1e-5..=1e5.
+        radius: f32,
+    },
+    /// Cone around the z axis: the apex at `half_height`, the base at `-half_height`. The center of mass is not the
+    /// origin, but half of `half_height` below.
+    Cone {
+        /// Half the height, metres, 1e-5..=1e5.
+        half_height: f32,
+        /// Of the base, metres, 1e-5..=1e5.
+        radius: f32,
+    },
+    /// All points within `radius` of a registered convex hull: it is larger than the hull by the radius, and its
+    /// edges and corners are round.
+    RoundedHull {
+        /// The core.
+        hull: HullHandle,
+        /// Metres, 1e-5..=1e5.
+        radius: f32,
+    },
+    /// A registered height field. Static and kinematic bodies only take part with it.
+    HeightField(HeightFieldHandle),
+    /// A registered compound of convex children.
+    Compound(CompoundHandle),
 }
 
 impl Geometry {
@@ -50,8 +81,64 @@ impl Geometry {
                 }
                 Ok(())
             }
-            Geometry::Hull(_) | Geometry::HalfSpace | Geometry::Mesh(_) => Ok(()),
+            Geometry::Cylinder { half_height, radius } | Geometry::Cone { half_height, radius } => {
+                validate::in_range("radius", radius, EXTENT_MIN, EXTENT_MAX)?;
+                validate::in_range("half_height", half_height, EXTENT_MIN, EXTENT_MAX)
+            }
+            Geometry::RoundedHull { radius, .. } => {
+                validate::in_range("radius", radius, EXTENT_MIN, EXTENT_MAX)
+            }
+            Geometry::Hull(_)
+            | Geometry::HalfSpace
+            | Geometry::Mesh(_)
+            | Geometry::HeightField(_)
+            | Geometry::Compound(_) => Ok(()),
         }
+    }
+
+    /// Kind and sizes as rows keep them.
+    pub(crate) fn to_row(self) -> (u32, [f32; 3]) {
+        let asset = |index: u32| [f32::from_bits(index), 0.0, 0.0];
+        match self {
+            Geometry::Sphere { radius } => (GEOMETRY_SPHERE, [radius, 0.0, 0.0]),
+            Geometry::Capsule { half_height, radius } => (GEOMETRY_CAPSULE, [radius, half_height, 0.0]),
+            Geometry::Box { half_extents } => (GEOMETRY_BOX, half_extents.to_array()),
+            Geometry::Hull(HullHandle(index)) => (GEOMETRY_HULL, asset(index)),
+            Geometry::HalfSpace => (GEOMETRY_HALF_SPACE, [0.0; 3]),
+            Geometry::Mesh(MeshHandle(index)) => (GEOMETRY_MESH, asset(index)),
+            Geometry::Cylinder { half_height, radius } => (GEOMETRY_CYLINDER, [radius, half_height, 0.0]),
+            Geometry::Cone { half_height, radius } => (GEOMETRY_CONE, [radius, half_height, 0.0]),
+            Geometry::RoundedHull { hull: HullHandle(index), radius } => {
+                (GEOMETRY_ROUNDED_HULL, [f32::from_bits(index), radius, 0.0])
+            }
+            Geometry::HeightField(HeightFieldHandle(index)) => (GEOMETRY_HEIGHT_FIELD, asset(index)),
+            Geometry::Compound(CompoundHandle(index)) => (GEOMETRY_COMPOUND, asset(index)),
+        }
+    }
+
+    /// What [`Geometry::to_row`] wrote; `None` when there is no such kind.
+    pub(crate) fn from_row(kind: u32, size: [f32; 3]) -> Option<Self> {
+        let asset = size[0].to_bits();
+        Some(match kind {
+            GEOMETRY_SPHERE => Geometry::Sphere { radius: size[0] },
+            GEOMETRY_CAPSULE => Geometry::Capsule { radius: size[0], half_height: size[1] },
+            GEOMETRY_BOX => Geometry::Box { half_extents: Vec3::from_array(size) },
+            GEOMETRY_HULL => Geometry::Hull(HullHandle(asset)),
+            GEOMETRY_HALF_SPACE => Geometry::HalfSpace,
+            GEOMETRY_MESH => Geometry::Mesh(MeshHandle(asset)),
+            GEOMETRY_CYLINDER => Geometry::Cylinder { radius: size[0], half_height: size[1] },
+            GEOMETRY_CONE => Geometry::Cone { radius: size[0], half_height: size[1] },
+            GEOMETRY_ROUNDED_HULL => Geometry::RoundedHull { hull: HullHandle(asset), radius: size[1] },
+            GEOMETRY_HEIGHT_FIELD => Geometry::HeightField(HeightFieldHandle(asset)),
+            GEOMETRY_COMPOUND => Geometry::Compound(CompoundHandle(asset)),
+            _ => return None,
+        })
+    }
+
+    /// True for surfaces without an inside: half-spaces, meshes and height fields. Dynamic bodies have none, and
+    /// they never meet each other.
+    pub fn is_surface(&self) -> bool {
+        matches!(self, Geometry::HalfSpace | Geometry::Mesh(_) | Geometry::HeightField(_))
     }
 }
 
@@ -145,7 +232,7 @@ pub(crate) struct ShapeRow {
     pub next: u32,
     /// `GEOMETRY_*`.
     pub kind: u32,
-    /// Sizes, by kind; hulls and meshes keep their index in the first one's bits.
+    /// Sizes, by kind; hulls, meshes, height fields and compounds keep their index in the first one's bits.
     pub size: [f32; 3],
     /// In the body's frame.
     pub pose: Pose,
@@ -162,13 +249,6 @@ pub(crate) struct ShapeRow {
     /// `BOX_STALE`, `FRESH`.
     pub flags: u32,
 }
-
-pub(crate) const GEOMETRY_SPHERE: u32 = 1;
-pub(crate) const GEOMETRY_CAPSULE: u32 = 2;
-pub(crate) const GEOMETRY_BOX: u32 = 3;
-pub(crate) const GEOMETRY_HULL: u32 = 4;
-pub(crate) const GEOMETRY_HALF_SPACE: u32 = 5;
-pub(crate) const GEOMETRY_MESH: u32 = 6;
 
 /// The box must be made anew, and the shape's pairs looked for.
 pub(crate) const BOX_STALE: u32 = 1;
@@ -196,39 +276,24 @@ impl ShapeRow {
     }
 
     pub fn set_geometry(&mut self, geometry: &Geometry) {
-        (self.kind, self.size) = match *geometry {
-            Geometry::Sphere { radius } => (GEOMETRY_SPHERE, [radius, 0.0, 0.0]),
-            Geometry::Capsule { half_height, radius } => (GEOMETRY_CAPSULE, [radius, half_height, 0.0]),
-            Geometry::Box { half_extents } => (GEOMETRY_BOX, half_extents.to_array()),
-            Geometry::Hull(HullHandle(index)) => (GEOMETRY_HULL, [f32::from_bits(index), 0.0, 0.0]),
-            Geometry::HalfSpace => (GEOMETRY_HALF_SPACE, [0.0; 3]),
-            Geometry::Mesh(MeshHandle(index)) => (GEOMETRY_MESH, [f32::from_bits(index), 0.0, 0.0]),
-        };
+        (self.kind, self.size) = geometry.to_row();
     }
 
     /// The geometry; `None` when the row is not one that [`ShapeRow::set_geometry`] makes.
     pub fn geometry(&self) -> Option<Geometry> {
-        Some(match self.kind {
-            GEOMETRY_SPHERE => Geometry::Sphere { radius: self.size[0] },
-            GEOMETRY_CAPSULE => Geometry::Capsule { radius: self.size[0], half_height: self.size[1] },
-            GEOMETRY_BOX => Geometry::Box { half_extents: Vec3::from_array(self.size) },
-            GEOMETRY_HULL => Geometry::Hull(HullHandle(self.asset())),
-            GEOMETRY_HALF_SPACE => Geometry::HalfSpace,
-            GEOMETRY_MESH => Geometry::Mesh(MeshHandle(self.asset())),
-            _ => return None,
-        })
+        Geometry::from_row(self.kind, self.size)
     }
 
-    /// Index of the hull or mesh.
+    /// Index of the hull, mesh, height field or compound.
     #[inline(always)]
     pub fn asset(&self) -> u32 {
         self.size[0].to_bits()
     }
 
-    /// Half-spaces and meshes have no inside to push out of, and never meet each other.
+    /// Half-spaces, meshes and height fields have no inside to push out of, and never meet each other.
     #[inline(always)]
-    pub fn is_convex(&self) -> bool {
-        self.kind <= GEOMETRY_HULL
+    pub fn is_surface(&self) -> bool {
+        matches!(self.kind, GEOMETRY_HALF_SPACE | GEOMETRY_MESH | GEOMETRY_HEIGHT_FIELD)
     }
 
     /// The margin of a fat box; bodies that never move need none.

@@ -7,8 +7,10 @@
 use crate::arena::region;
 use crate::body::{BodyRow, Motion};
 use crate::cells::{self, Block, Link, OrderingRow, UNORDERED};
-use crate::collide::{Edge, Face, Hull, Mesh, Plane, Triangle, tree};
-use crate::collide::{HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX};
+use crate::collide::compound::{Child, Compound};
+use crate::collide::height_field::HeightField;
+pub(crate) use crate::collide::hull::HullRow;
+use crate::collide::{Mesh, Triangle, tree};
 use crate::config::SettingsRow;
 use crate::constraint::joint::{BoundRow, JointLink, LockRow};
 use crate::constraint::row::{LinkRow, PointRow};
@@ -19,7 +21,7 @@ use crate::pipeline::layout::{Group, Plan, links_max, mover_rows_max, seats_max}
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::Seat;
 use crate::pool::{Marks, words};
-use crate::shape::ShapeRow;
+use crate::shape::{GEOMETRY_HEIGHT_FIELD, GEOMETRY_MESH, ShapeRow};
 use bytemuck::{Pod, Zeroable};
 
 /// Marks of all pools, settings and counters: the first section of the state.
@@ -44,6 +46,13 @@ pub(crate) struct Header {
     pub joints: Marks,
     /// Limits, drives and frictions of all joints.
     pub joint_bounds: u32,
+    /// Bodies that sleep.
+    pub asleep: u32,
+    /// Rows of `asleep_pairs` and `asleep_contacts` in use.
+    pub asleep_pairs: u32,
+    pub asleep_contacts: u32,
+    /// 1 when some body has to wake, or what it touches.
+    pub wakes: u32,
     /// Zero.
     pub reserved: u32,
 }
@@ -148,6 +157,10 @@ region! {
         pairs: Pair = c.pairs as usize,
         /// Sorted by key, distinct.
         contacts: ContactRow = c.contacts as usize,
+        /// Pairs and contacts of bodies that sleep, with each other and with what rests; sorted as those awake. A
+        /// contact has no phase.
+        asleep_pairs: Pair = c.pairs as usize,
+        asleep_contacts: ContactRow = c.contacts as usize,
         ordering: OrderingRow = 1,
         /// Changes of the ordering near each body.
         dirt: u8 = c.bodies as usize,
@@ -170,38 +183,13 @@ pub(crate) struct AssetHeader {
     pub vertices: u32,
     pub triangles: u32,
     pub nodes: u32,
-    pub reserved: u32,
-}
-
-/// A convex hull, tables and all.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct HullRow {
-    pub vertices: [Vec3; HULL_VERTICES_MAX],
-    pub planes: [Plane; HULL_FACES_MAX],
-    pub faces: [Face; HULL_FACES_MAX],
-    pub loops: [u8; 2 * HULL_EDGES_MAX],
-    pub edges: [Edge; HULL_EDGES_MAX],
-    pub center: Vec3,
-    /// Of the farthest vertex from the origin, m2.
-    pub radius_squared: f32,
-    pub vertex_count: u32,
-    pub face_count: u32,
-    pub loop_count: u32,
-    pub edge_count: u32,
-}
-
-impl HullRow {
-    pub fn view(&self) -> Hull<'_> {
-        Hull {
-            vertices: &self.vertices[..self.vertex_count as usize],
-            planes: &self.planes[..self.face_count as usize],
-            faces: &self.faces[..self.face_count as usize],
-            loops: &self.loops[..self.loop_count as usize],
-            edges: &self.edges[..self.edge_count as usize],
-            center: self.center,
-        }
-    }
+    pub height_fields: u32,
+    pub heights: u32,
+    pub cells: u32,
+    pub compounds: u32,
+    pub children: u32,
+    pub child_nodes: u32,
+    pub surfaces: u32,
 }
 
 /// A mesh: runs of the tables of all meshes.
@@ -216,6 +204,51 @@ pub(crate) struct MeshRow {
     pub nodes: u32,
 }
 
+/// Where a mesh has its table of surfaces. Zero for one without.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct SurfaceRun {
+    pub first: u32,
+    pub count: u32,
+}
+
+/// A height field: runs of the tables of all height fields.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct HeightFieldRow {
+    pub columns: u32,
+    pub rows: u32,
+    /// Metres.
+    pub spacing: [f32; 2],
+    /// Least and greatest height, metres.
+    pub range: [f32; 2],
+    pub first_height: u32,
+    pub first_cell: u32,
+    /// 0 when there are neither holes nor surfaces by cell.
+    pub cells: u32,
+    pub surfaces: SurfaceRun,
+}
+
+/// A compound: runs of the tables of all compounds.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct CompoundRow {
+    pub first_child: u32,
+    pub children: u32,
+    pub first_node: u32,
+    pub nodes: u32,
+}
+
+/// What a triangle's surface is like, in the place of its shape's.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Surface {
+    /// Coefficient of friction, 0..=1e6.
+    pub friction: f32,
+    /// Share of the approach speed that comes back, 0..=1.
+    pub restitution: f32,
+}
+
 region! {
     /// Immutable geometry.
     AssetsLayout, Assets, |c| {
@@ -226,6 +259,17 @@ region! {
         triangles: Triangle = c.mesh_triangles as usize,
         nodes: Aabb = c.mesh_triangles as usize * 3 / 2 + 16 * c.meshes as usize,
         order: u32 = c.mesh_triangles as usize,
+        mesh_surfaces: SurfaceRun = if c.surfaces == 0 { 0 } else { c.meshes as usize },
+        /// Index of the surface of each triangle in its mesh's table.
+        triangle_surfaces: u8 = if c.surfaces == 0 { 0 } else { c.mesh_triangles as usize },
+        height_fields: HeightFieldRow = c.height_fields as usize,
+        heights: f32 = c.height_samples as usize,
+        cells: u8 = c.height_samples as usize,
+        compounds: CompoundRow = c.compounds as usize,
+        children: Child = c.compound_children as usize,
+        child_nodes: Aabb = c.compound_children as usize * 3 / 2 + 16 * c.compounds as usize,
+        child_order: u32 = c.compound_children as usize,
+        surfaces: Surface = c.surfaces as usize,
     }
 }
 
@@ -238,6 +282,16 @@ pub(crate) struct AssetTables<'a> {
     pub triangles: &'a [Triangle],
     pub nodes: &'a [Aabb],
     pub order: &'a [u32],
+    pub mesh_surfaces: &'a [SurfaceRun],
+    pub triangle_surfaces: &'a [u8],
+    pub height_fields: &'a [HeightFieldRow],
+    pub heights: &'a [f32],
+    pub cells: &'a [u8],
+    pub compounds: &'a [CompoundRow],
+    pub children: &'a [Child],
+    pub child_nodes: &'a [Aabb],
+    pub child_order: &'a [u32],
+    pub surfaces: &'a [Surface],
 }
 
 impl<'a> AssetTables<'a> {
@@ -249,12 +303,32 @@ impl<'a> AssetTables<'a> {
             triangles: layout.triangles.of(region),
             nodes: layout.nodes.of(region),
             order: layout.order.of(region),
+            mesh_surfaces: layout.mesh_surfaces.of(region),
+            triangle_surfaces: layout.triangle_surfaces.of(region),
+            height_fields: layout.height_fields.of(region),
+            heights: layout.heights.of(region),
+            cells: layout.cells.of(region),
+            compounds: layout.compounds.of(region),
+            children: layout.children.of(region),
+            child_nodes: layout.child_nodes.of(region),
+            child_order: layout.child_order.of(region),
+            surfaces: layout.surfaces.of(region),
         }
+    }
+
+    /// True when a hull of this index was registered: rows above the last one are zero.
+    pub fn has_hull(&self, index: u32) -> bool {
+        self.hulls.get(index as usize).is_some_and(|row| row.vertex_count > 0)
+    }
+
+    /// The same for a compound.
+    pub fn has_compound(&self, index: u32) -> bool {
+        self.compounds.get(index as usize).is_some_and(|row| row.children > 0)
     }
 
     pub fn mesh(&self, index: u32) -> Mesh<'a> {
         let row = &self.meshes[index as usize];
-        let run = |first: u32, count: u32| first as usize..(first + count) as usize;
+        let has_surfaces = self.mesh_surfaces.get(index as usize).is_some_and(|run| run.count > 0);
         Mesh {
             vertices: &self.vertices[run(row.first_vertex, row.vertices)],
             triangles: &self.triangles[run(row.first_triangle, row.triangles)],
@@ -262,8 +336,53 @@ impl<'a> AssetTables<'a> {
                 nodes: &self.nodes[run(row.first_node, row.nodes)],
                 order: &self.order[run(row.first_triangle, row.triangles)],
             },
+            surfaces: if has_surfaces {
+                &self.triangle_surfaces[run(row.first_triangle, row.triangles)]
+            } else {
+                &[]
+            },
         }
     }
+
+    pub fn height_field(&self, index: u32) -> HeightField<'a> {
+        let row = &self.height_fields[index as usize];
+        HeightField {
+            columns: row.columns,
+            rows: row.rows,
+            spacing: row.spacing,
+            heights: &self.heights[run(row.first_height, row.columns * row.rows)],
+            cells: &self.cells[run(row.first_cell, row.cells)],
+            has_surfaces: row.surfaces.count > 0,
+            range: row.range,
+        }
+    }
+
+    pub fn compound(&self, index: u32) -> Compound<'a> {
+        let row = &self.compounds[index as usize];
+        Compound {
+            children: &self.children[run(row.first_child, row.children)],
+            hulls: self.hulls,
+            tree: tree::Tree {
+                nodes: &self.child_nodes[run(row.first_node, row.nodes)],
+                order: &self.child_order[run(row.first_child, row.children)],
+            },
+        }
+    }
+
+    /// The surface that a manifold with this shape names; see [`crate::collide::Manifold::surface`].
+    pub fn surface(&self, shape: &ShapeRow, name: u32) -> Option<Surface> {
+        let runs = match shape.kind {
+            GEOMETRY_MESH => self.mesh_surfaces[shape.asset() as usize],
+            GEOMETRY_HEIGHT_FIELD => self.height_fields[shape.asset() as usize].surfaces,
+            _ => return None,
+        };
+        let index = name.checked_sub(1).filter(|index| *index < runs.count)?;
+        Some(self.surfaces[(runs.first + index) as usize])
+    }
+}
+
+fn run(first: u32, count: u32) -> core::ops::Range<usize> {
+    first as usize..(first + count) as usize
 }
 
 /// What the trees of the broadphase were built from.
@@ -272,7 +391,7 @@ impl<'a> AssetTables<'a> {
 pub(crate) struct CacheHeader {
     /// `static_version + 1` of the state when the static tree was built; 0 when there is none.
     pub static_stamp: u64,
-    /// 1 when the tree of moving shapes fits the boxes in the state.
+    /// 1 when the tree of moving shapes fits the fat boxes in the state.
     pub moving_fits: u32,
     /// 1 when the memos are those of the contacts in the state.
     pub memos_fit: u32,
@@ -292,7 +411,12 @@ pub(crate) struct CacheHeader {
     pub ordered_contacts: u32,
     /// Number of joints among them.
     pub ordered_joints: u32,
-    pub reserved_2: u32,
+    /// 1 when the leaves of the tree of moving shapes are the right ones, whatever their boxes.
+    pub moving_listed: u32,
+    /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
+    pub queried: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 region! {
@@ -351,8 +475,8 @@ pub(crate) struct Memo {
     pub tail: [u32; 4],
 }
 
-/// The box of a shape over the way of the step: what may touch.
-#[repr(C, align(32))]
+/// The box of a shape over the way of the step, and a ball: what may touch.
+#[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Reach {
     /// Least corner, from the middle of the body's sector.
@@ -361,8 +485,19 @@ pub(crate) struct Reach {
     pub body: u32,
     /// Greatest corner.
     pub max: Vec3,
-    /// 1 when the body is in the trees' sector.
-    pub is_home: u32,
+    /// `Reach::HOME`, `Reach::DYNAMIC`.
+    pub flags: u32,
+    /// Origin of the shape's frame, from the middle of the body's sector.
+    pub origin: Vec3,
+    /// How far from there the shape's contacts may be; infinite for a shape without end.
+    pub radius: f32,
+}
+
+impl Reach {
+    /// The body is in the trees' sector.
+    pub const HOME: u32 = 1;
+    /// The body is dynamic.
+    pub const DYNAMIC: u32 = 2;
 }
 
 /// What a contact is in this step.
@@ -451,6 +586,12 @@ region! {
         rows_before: ContactRow = c.contacts as usize,
         /// Index of each link in the step before, or `NEW`.
         contact_from: u32 = links_max(c),
+        /// Places of the contacts that woke in this step, ascending.
+        woken: u32 = c.contacts as usize,
+        /// Sets of bodies that are joined by links, by slot.
+        islands: u32 = c.bodies as usize,
+        /// What becomes of a body or of its island, by slot.
+        marks: u8 = c.bodies as usize,
         /// Bodies of the links that ended.
         lost: [u32; 2] = links_max(c),
         /// Index among the active bodies by slot; `u32::MAX` for none.
@@ -486,6 +627,9 @@ region! {
         /// For registering a mesh.
         mesh_words: u64 = crate::collide::mesh::scratch_len(c.mesh_triangles as usize),
         mesh_boxes: Aabb = c.mesh_triangles as usize,
+        /// For registering a compound.
+        child_words: u64 = c.compound_children as usize,
+        child_boxes: Aabb = c.compound_children as usize,
     }
 }
 

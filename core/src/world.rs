@@ -3,9 +3,13 @@
 mod assets;
 mod bodies;
 mod checksum;
+mod compounds;
 mod contacts;
+mod debug;
+mod height_fields;
 mod joints;
 mod load;
+mod queries;
 mod shapes;
 mod snapshot;
 
@@ -22,9 +26,10 @@ use crate::state::{
 };
 use bytemuck::Zeroable;
 
-pub(crate) use joints::are_joined;
-
+pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
+pub use height_fields::HeightFieldDef;
+pub(crate) use joints::are_joined;
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +52,16 @@ pub struct Capacities {
     pub mesh_vertices: u32,
     /// Triangles of all meshes, at most 2^24.
     pub mesh_triangles: u32,
+    /// Height fields among the assets, at most 2^16.
+    pub height_fields: u32,
+    /// Samples of all height fields, at most 2^24.
+    pub height_samples: u32,
+    /// Compounds among the assets, at most 2^16.
+    pub compounds: u32,
+    /// Children of all compounds, at most 2^20.
+    pub compound_children: u32,
+    /// Surfaces of all meshes and height fields, at most 2^20.
+    pub surfaces: u32,
 }
 
 impl Capacities {
@@ -62,6 +77,11 @@ impl Capacities {
             meshes: 0,
             mesh_vertices: 0,
             mesh_triangles: 0,
+            height_fields: 0,
+            height_samples: 0,
+            compounds: 0,
+            compound_children: 0,
+            surfaces: 0,
         }
     }
 
@@ -83,6 +103,11 @@ impl Capacities {
             ("meshes", self.meshes, 1 << 16),
             ("mesh_vertices", self.mesh_vertices, 1 << 24),
             ("mesh_triangles", self.mesh_triangles, 1_u32 << 24),
+            ("height_fields", self.height_fields, 1 << 16),
+            ("height_samples", self.height_samples, 1 << 24),
+            ("compounds", self.compounds, 1 << 16),
+            ("compound_children", self.compound_children, 1 << 20),
+            ("surfaces", self.surfaces, 1 << 20),
         ];
         for (name, value, limit) in limits {
             if value > limit >> shift {
@@ -168,13 +193,17 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         self.header().settings.read().expect("settings in the state are valid")
     }
 
-    /// Changes the settings.
+    /// Changes the settings. Other gravity wakes all bodies.
     ///
     /// # Errors
     /// A number is not finite or out of the range in [`Settings`]; the world is unchanged.
     pub fn set_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         settings.check()?;
+        let pulls = self.settings().gravity != settings.gravity;
         self.header_mut().settings = SettingsRow::from(settings);
+        if pulls {
+            bodies::wake_all(&mut self.state_view());
+        }
         Ok(())
     }
 

@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use cellstep::math::Vec3;
-//! use cellstep::{BodyDef, BodyKind, Capacities, Geometry, Pool, ShapeDef, new_world};
+//! use cellstep::{BodyDef, BodyKind, Capacities, Geometry, Pool, Position, QueryFilter, Ray, ShapeDef, new_world};
 //!
 //! let mut world = new_world(Capacities::for_bodies(2))?;
 //! let ground = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO))?;
@@ -20,12 +20,16 @@
 //! }
 //! let height = world.position(ball)?.to_f64()[2];
 //! assert!((height - 0.5).abs() < 0.01, "the ball lies on the ground");
+//!
+//! let down = Ray { origin: Position::at(Vec3::new(0.0, 0.0, 9.0)), translation: Vec3::Z * -20.0 };
+//! let hit = world.queries().cast_ray(&down, &QueryFilter::ALL)?.expect("the ball is below");
+//! assert_eq!(hit.body, ball);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Features
 //!
-//! - `scene`: `scene` documents in JSON, meshes from OBJ files, built-in scenes.
+//! - `scene`: `scene` documents in JSON, meshes from OBJ files, built-in scenes; `mjcf`: models in MuJoCo's format.
 //! - `cli`: the command `cellstep`; implies `scene`.
 //!
 //! No feature changes any result.
@@ -37,6 +41,8 @@ pub mod float_mode;
 #[allow(unsafe_code)]
 mod job;
 mod memory;
+#[cfg(feature = "scene")]
+pub mod mjcf;
 pub mod pool;
 #[cfg(feature = "scene")]
 pub mod scene;

@@ -50,6 +50,7 @@ pub use build::{Build, CONTACTS_PER_SHAPE, PAIRS_PER_SHAPE, ROOM_BASE, capacitie
 pub use clean::Notes;
 pub use error::{Problem, SceneError};
 pub use format::Scene;
+pub(crate) use obj::{read as read_obj, read_file};
 pub use read::load;
 
 /// How much a scene may ask for. The defaults suit a tool on a desktop; a server that takes scenes from

@@ -126,6 +126,44 @@ fn a_wrong_scene_exits_with_2_and_is_told_where() {
 }
 
 #[test]
+fn models_are_imported_and_run() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (model, scene) = (folder.join("model.xml"), folder.join("model.json"));
+    let (model, scene) = (model.to_str().unwrap(), scene.to_str().unwrap());
+    let xml = "<mujoco><option solver='CG'/><worldbody><light/><geom type='plane' size='1 1 1' gap='1'/>\n\
+               <body pos='0 0 1'><freejoint/><geom size='.1' rgba='1 1 1 1'/></body></worldbody></mujoco>";
+    std::fs::write(model, xml).unwrap();
+    let output = cellstep(&["import", model, "-o", scene]);
+    assert!(output.status.success() && output.stdout.is_empty());
+    let expected = format!(
+        "warning: geom/gap: not modelled ({model}: line 1, column 81)\n\
+         note: ignored, of MuJoCo's solver: option/solver (1)\n\
+         note: ignored, without effect on motion: worldbody/light (1), geom/rgba (1)\n"
+    );
+    assert_eq!(text(&output.stderr), expected);
+    assert_eq!(text(&cellstep(&["import", model]).stdout), std::fs::read_to_string(scene).unwrap());
+    let checksum = |scene: &str| {
+        let output = cellstep(&["run", scene, "--steps", "50", "--json"]);
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(report["bodies"], 2);
+        report["checksum"].clone()
+    };
+    assert_eq!(checksum(model), checksum(scene));
+    let hinge = xml.replace("<freejoint/>", "<joint/>");
+    std::fs::write(model, hinge).unwrap();
+    assert!(refusal(&["run", model]).ends_with("free or fixed: scenes have no joints\n"));
+    std::fs::write(model, "<mujoco>\n<include file='absent.xml'/></mujoco>").unwrap();
+    let message = refusal(&["import", model]);
+    assert!(
+        message.starts_with(&format!("error: {model}: line 2, column 10: mujoco/include/file: ")),
+        "{message}"
+    );
+    assert!(message.contains("absent.xml: cannot be read: "), "{message}");
+    assert!(refusal(&["import", "absent.xml"]).starts_with("error: absent.xml: cannot be read: "));
+    assert!(refusal(&["import"]).contains("<FILE>"));
+}
+
+#[test]
 fn a_closed_pipe_is_no_error() {
     for args in [&["scene", "pyramid"][..], &["run", "tower", "--steps", "1", "--json"], &["scenes"]] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_cellstep"))

@@ -24,9 +24,8 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// A document with every field set to something other than its default.
-fn full() -> Scene {
-    let turn = RotationDoc::AxisAngle { axis: [0.0, 1.0, 0.5], degrees: -33.3 };
+/// A body with every field set.
+fn full_body(turn: RotationDoc) -> BodyDoc {
     let shape = |geometry| ShapeDoc {
         geometry,
         material: Some("wood".to_string()),
@@ -35,7 +34,7 @@ fn full() -> Scene {
         filter: FilterDoc { category: 2, mask: 3, group: -4 },
         user: u64::MAX,
     };
-    let body = BodyDoc {
+    BodyDoc {
         kind: KindDoc::Kinematic,
         position: [1.0e7 + 0.1, -2.0f64.powi(-1074), 0.1 + 0.2],
         rotation: turn,
@@ -54,11 +53,47 @@ fn full() -> Scene {
             shape(GeometryDoc::Hull("a.b[0]\"\\ä".to_string())),
             shape(GeometryDoc::HalfSpace),
             shape(GeometryDoc::Mesh("plate".to_string())),
+            shape(GeometryDoc::Cylinder { half_height: 0.1, radius: 0.2 }),
+            shape(GeometryDoc::Cone { half_height: 0.1, radius: 0.2 }),
+            shape(GeometryDoc::RoundedHull { hull: "a.b[0]\"\\ä".to_string(), radius: 0.1 }),
+            shape(GeometryDoc::HeightField("plate".to_string())),
+            shape(GeometryDoc::Compound("plate".to_string())),
         ],
+    }
+}
+
+/// A mesh, a height field and a child of a compound with every field set.
+fn full_assets(points: &[[f32; 3]], turn: RotationDoc) -> (MeshDoc, HeightFieldDoc, ChildDoc) {
+    let inline = MeshDoc::Inline {
+        vertices: points.to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        surfaces: vec!["wood".to_string()],
+        triangle_surfaces: vec![0, 0],
     };
+    let field = HeightFieldDoc {
+        columns: 3,
+        rows: 2,
+        spacing: [0.5, 1.0 / 3.0],
+        heights: vec![0.0, 0.1, -0.0, 0.3, 0.4, 0.5],
+        holes: vec![[1, 0]],
+        surfaces: vec!["wood".to_string()],
+        cell_surfaces: vec![0, 0],
+    };
+    let child = ChildDoc {
+        geometry: GeometryDoc::Cone { half_height: 0.1, radius: 0.2 },
+        position: [0.1, -0.0, 0.3],
+        rotation: turn,
+    };
+    (inline, field, child)
+}
+
+/// A document with every field set to something other than its default.
+fn full() -> Scene {
+    let turn = RotationDoc::AxisAngle { axis: [0.0, 1.0, 0.5], degrees: -33.3 };
+    let body = full_body(turn);
     let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let obj = MeshDoc::Obj { path: "a/b.obj".to_string(), scale: 0.01, rotation: turn };
-    let inline = MeshDoc::Inline { vertices: points.clone(), triangles: vec![[0, 1, 2], [0, 2, 3]] };
+    let (inline, field, child) = full_assets(&points, turn);
     Scene {
         version: 1,
         description: "all\nof it".to_string(),
@@ -81,6 +116,8 @@ fn full() -> Scene {
             .into(),
         hulls: [("a.b[0]\"\\ä".to_string(), HullDoc { points })].into(),
         meshes: [("plate".to_string(), inline), ("file".to_string(), obj)].into(),
+        height_fields: [("plate".to_string(), field)].into(),
+        compounds: [("plate".to_string(), CompoundDoc { children: vec![child] })].into(),
         bodies: vec![
             body,
             BodyDoc {
@@ -188,6 +225,54 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "below the folder",
     ),
     (
+        "{\"meshes\": {\"m\": {\"inline\": {\"vertices\": [[0,0,0],[1,0,0],[0,1,0]], \"triangles\": [[0,1,2]],\n\
+         \"surfaces\": [\"ice\"], \"triangle_surfaces\": [0]}}}}",
+        "line 2, column 14",
+        "meshes.m.inline.surfaces[0]: no material is named \"ice\"",
+        "`materials`, which has none",
+    ),
+    (
+        "{\"height_fields\": {\"f\": {\"columns\": 2, \"rows\": 2, \"spacing\": [1, 1],\n\
+         \"heights\": [0, 0, 0]}}}",
+        "line 2, column 12",
+        "height_fields.f.heights: found 3 heights",
+        "4, columns times rows",
+    ),
+    (
+        "{\"height_fields\": {\"f\": {\"columns\": 2, \"rows\": 2, \"spacing\": [1, 1],\n\
+         \"heights\": [0, 0, 0, 0], \"holes\": [[0, 1]]}}}",
+        "line 2, column 36",
+        "height_fields.f.holes[0]: found [0, 1]",
+        "a row below 1",
+    ),
+    (
+        "{\"materials\": {\"a\": {}},\n\
+         \"height_fields\": {\"f\": {\"columns\": 2, \"rows\": 2, \"spacing\": [1, 1],\n\
+         \"heights\": [0, 0, 0, 0], \"surfaces\": [\"a\"], \"cell_surfaces\": [1]}}}",
+        "line 3, column 63",
+        "height_fields.f.cell_surfaces[0]: found 1",
+        "below 1, the number of surfaces",
+    ),
+    (
+        "{\"compounds\": {\"c\": {\"children\": [\n\
+         {\"geometry\": {\"cone\": {\"half_height\": 0, \"radius\": 1}}}]}}}",
+        "line 2, column 39",
+        "compounds.c.children[0].geometry.cone.half_height: found 0",
+        "expected a number in",
+    ),
+    (
+        "{\"compounds\": {\"c\": {\"children\": [{\"geometry\": \"half_space\"}]}}}",
+        "line 1, column 48",
+        "compounds.c.children[0].geometry",
+        "\"static\" or \"kinematic\"",
+    ),
+    (
+        "{\"bodies\": [{\"shapes\": [{\"geometry\": {\"height_field\": \"x\"}}]}]}",
+        "line 1, column 55",
+        "no height field is named \"x\"",
+        "`height_fields`, which has none",
+    ),
+    (
         "{\"bodies\": [{\"kind\": \"soft\"}]}",
         "line 1, column 22",
         "bodies[0].kind",
@@ -228,7 +313,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "expected a number in",
     ),
     (
-        "{\"bodies\": [{\"shapes\": [{\"geometry\": {\"cone\": 1}}]}]}",
+        "{\"bodies\": [{\"shapes\": [{\"geometry\": {\"torus\": 1}}]}]}",
         "line 1, column 38",
         "bodies[0].shapes[0].geometry",
         "`sphere`, `capsule`",

@@ -2,6 +2,7 @@
 
 use crate::simulator::{self, CAPACITIES};
 use crate::worlds::OwnedWorld;
+use cellstep::mjcf::Model;
 use cellstep::scene::{Limits, Scene};
 use cellstep::{Capacities, Error, Serial};
 use std::path::Path;
@@ -41,6 +42,26 @@ pub fn scene(bytes: &[u8]) -> bool {
         built.world.step(&mut Serial);
     }
     check_reachable(&mut built.world);
+    true
+}
+
+/// Reads bytes as a model in MJCF; where it becomes a scene, that goes to [`scene`]. True when it is a model.
+///
+/// # Panics
+/// When a number of the model is not finite, or for the scene's sake.
+pub fn mjcf(bytes: &[u8]) -> bool {
+    let Ok(model) = Model::from_xml(bytes, &SCENE_LIMITS) else { return false };
+    for body in &model.bodies {
+        let numbers =
+            body.placement.position.into_iter().chain(body.mass.map_or([0.0; 3], |mass| mass.inertia));
+        assert!(numbers.into_iter().all(f64::is_finite), "{body:?}");
+    }
+    for part in model.joints.iter().flat_map(|joint| &joint.parts) {
+        assert!(part.world_anchor.into_iter().chain(part.world_axis).all(f64::is_finite), "{part:?}");
+    }
+    if let Ok(conversion) = model.to_scene() {
+        scene(conversion.scene.to_json().as_bytes());
+    }
     true
 }
 

@@ -43,6 +43,7 @@ pub const CAPACITIES: Capacities = Capacities {
     mesh_vertices: 25,
     joints: 16,
     mesh_triangles: 32,
+    ..Capacities::for_bodies(0)
 };
 
 /// An empty simulated world of some room: the assets are registered, and there is the ground.

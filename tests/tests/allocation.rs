@@ -1,7 +1,11 @@
 //! Stepping allocates nothing: neither the core, nor the pool on the thread that steps.
 
 use cellstep::scene::builtin::Builtin;
-use cellstep::{Executor, Pool, Serial};
+use cellstep::{
+    Executor, Hit, Pool, Position, Probe, QueryFilter, QueryShape, Ray, Region, Serial, ShapeCast,
+};
+use cellstep_tests::executors::Random;
+use cellstep_tests::mixed::{Draw, mixed_world};
 use cellstep_tests::simulator::{self, Simulator};
 use cellstep_tests::worlds::OwnedWorld;
 use std::path::Path;
@@ -64,4 +68,31 @@ fn commands_and_snapshots_allocate_nothing() {
         }
     });
     assert_eq!(found.count_total, 0);
+}
+
+#[test]
+fn queries_allocate_nothing() {
+    let mut world = mixed_world(1);
+    let mut random = Random::new(2);
+    let mut hits = [Hit::default(); 8];
+    let mut found = 0;
+    let counted = allocation_counter::measure(|| {
+        for _ in 0..200 {
+            world.step(&mut Serial);
+            let queries = world.queries();
+            let ray = Ray { origin: Position::at(random.vector(14.0)), translation: random.vector(30.0) };
+            let shape =
+                QueryShape { geometry: random.solid(1.0), position: ray.origin, rotation: random.rotation() };
+            let cast = ShapeCast { shape, translation: ray.translation };
+            let probe = Probe { position: ray.origin, max_distance: 5.0 };
+            let filter = &QueryFilter::ALL;
+            found += queries.cast_ray_all(&ray, filter, &mut hits).expect("good").count;
+            found += queries.cast_shape_all(&cast, filter, &mut hits).expect("good").count;
+            found += usize::from(queries.overlap(&Region::Shape(shape), filter).expect("good").is_some());
+            found += usize::from(queries.closest_point(&probe, filter).expect("good").is_some());
+            queries.cast_rays(&[ray], filter, &mut [None], &mut Serial).expect("good");
+        }
+    });
+    assert!(found > 500, "{found}");
+    assert_eq!(counted.count_total, 0);
 }

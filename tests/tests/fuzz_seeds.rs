@@ -4,6 +4,7 @@
 //! beside them, with a name that does not start with `seed`: it need only hold what the oracle asks.
 
 use cellstep::Serial;
+use cellstep::mjcf::Model;
 use cellstep::scene::builtin::BUILTIN;
 use cellstep_tests::fuzzing::{self, LOAD_CAPACITIES};
 use cellstep_tests::simulator::{Simulator, snapshot};
@@ -32,6 +33,13 @@ fn scenes() -> BTreeMap<String, Vec<u8>> {
 
 /// A document with a bit of everything.
 const ALL: &str = include_str!("fuzz_seeds/all.json");
+
+/// Models: with a bit of everything that scenes have, with copies, and with joints, which scenes do not have.
+const MODELS: [(&str, &str); 3] = [
+    ("seed_scene.xml", include_str!("../../runtime/src/mjcf/tests/seed.xml")),
+    ("seed_copies.xml", include_str!("fuzz_seeds/copies.xml")),
+    ("seed_links.xml", include_str!("fuzz_seeds/links.xml")),
+];
 
 /// Snapshots of simulated worlds.
 fn snapshots() -> BTreeMap<String, Vec<u8>> {
@@ -74,6 +82,22 @@ fn check(target: &str, seeds: &BTreeMap<String, Vec<u8>>, mut accepts: impl FnMu
 #[test]
 fn scene_seeds_step() {
     check("scene", &scenes(), fuzzing::scene);
+}
+
+#[test]
+fn model_seeds_are_read() {
+    let seeds = MODELS.map(|(name, text)| (name.to_string(), text.as_bytes().to_vec()));
+    check("mjcf", &BTreeMap::from(seeds), fuzzing::mjcf);
+    let models = MODELS.map(|(_, text)| {
+        Model::from_xml(text.as_bytes(), &fuzzing::SCENE_LIMITS).unwrap_or_else(|error| panic!("{error}"))
+    });
+    for model in &models[..2] {
+        let scene = model.to_scene().unwrap_or_else(|error| panic!("{error}")).scene;
+        assert!(fuzzing::scene(scene.to_json().as_bytes()), "it steps");
+    }
+    let [.., links] = &models;
+    let counts = [links.joints.len(), links.equalities.len(), links.ropes.len(), links.actuators.len()];
+    assert_eq!(counts, [3, 2, 2, 3]);
 }
 
 #[test]

@@ -290,6 +290,11 @@ fn capacities_and_memory_are_checked() {
     out_of_range(Capacities { meshes: u32::MAX, ..none }, "meshes");
     out_of_range(Capacities { mesh_vertices: u32::MAX, ..none }, "mesh_vertices");
     out_of_range(Capacities { mesh_triangles: u32::MAX, ..none }, "mesh_triangles");
+    out_of_range(Capacities { height_fields: (1 << 16) + 1, ..none }, "height_fields");
+    out_of_range(Capacities { height_samples: u32::MAX, ..none }, "height_samples");
+    out_of_range(Capacities { compounds: u32::MAX, ..none }, "compounds");
+    out_of_range(Capacities { compound_children: (1 << 20) + 1, ..none }, "compound_children");
+    out_of_range(Capacities { surfaces: u32::MAX, ..none }, "surfaces");
     let needed = CAPACITIES.lines();
     let outcome = World::new(vec![Line::ZERO; needed - 1], CAPACITIES).err();
     assert_eq!(outcome, Some(Error::MemoryTooSmall { needed, given: needed - 1 }));

@@ -159,6 +159,11 @@ fn other_capacities_are_refused() {
         Capacities { meshes: CAPACITIES.meshes + 1, ..CAPACITIES },
         Capacities { mesh_vertices: CAPACITIES.mesh_vertices + 1, ..CAPACITIES },
         Capacities { mesh_triangles: CAPACITIES.mesh_triangles + 1, ..CAPACITIES },
+        Capacities { height_fields: 1, ..CAPACITIES },
+        Capacities { height_samples: 1, ..CAPACITIES },
+        Capacities { compounds: 1, ..CAPACITIES },
+        Capacities { compound_children: 1, ..CAPACITIES },
+        Capacities { surfaces: 1, ..CAPACITIES },
     ];
     for capacities in more {
         let mut other = simulator::empty_world(capacities);

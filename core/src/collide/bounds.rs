@@ -1,10 +1,11 @@
 //! Axis-aligned boxes around shapes.
 //!
-//! Tight for every bounded shape (to rounding; callers grow boxes by a margin anyway). A mesh is bounded by its
-//! tree's root, so its box is tight only when it is not turned.
+//! Tight for every bounded shape (to rounding; callers grow boxes by a margin anyway). A mesh or height field is
+//! bounded by its own box, so its box is tight only when it is not turned; a compound of many children by some
+//! boxes of its tree.
 
 use super::Solid;
-use crate::math::{Aabb, Pose, Vec3, max_each, min_each};
+use crate::math::{Aabb, Pose, Vec3, max_each, min_each, sqrt};
 
 /// Stands for "without end", metres: far beyond any pose, and its differences are finite.
 pub const UNBOUNDED: f32 = 1.0e30;
@@ -20,6 +21,19 @@ pub fn aabb(solid: &Solid<'_>, pose: &Pose) -> Aabb {
         Solid::Box { half_extents } => Aabb { min: -half_extents, max: half_extents }.transformed(pose),
         Solid::Hull(hull) => around_points(hull.vertices, pose),
         Solid::HalfSpace => half_space(pose),
+        Solid::Cylinder { half_height, radius } => {
+            let axis = pose.rotation.rotate(Vec3::Z);
+            Aabb::around(pose.position, axis.abs() * half_height + disc(axis) * radius)
+        }
+        Solid::Cone { half_height, radius } => {
+            let axis = pose.rotation.rotate(Vec3::Z);
+            let apex = pose.position + axis * half_height;
+            let base = Aabb::around(pose.position - axis * half_height, disc(axis) * radius);
+            base.union(&Aabb { min: apex, max: apex })
+        }
+        Solid::RoundedHull { hull, radius } => around_points(hull.vertices, pose).grown(radius),
+        Solid::HeightField(field) => field.bounds().transformed(pose),
+        Solid::Compound(compound) => compound.bounds(pose),
         Solid::Mesh(mesh) => {
             let root = mesh.tree.bounds();
             // An empty tree's box is turned inside out, and infinite.
@@ -27,6 +41,13 @@ pub fn aabb(solid: &Solid<'_>, pose: &Pose) -> Aabb {
             if full { root.transformed(pose) } else { Aabb::around(pose.position, Vec3::ZERO) }
         }
     }
+}
+
+/// How far a disc of radius 1 across a unit axis reaches along each axis of the frame.
+fn disc(axis: Vec3) -> Vec3 {
+    // 1 - x^2 of a unit vector, as the sum of the other squares: exact near 0.
+    let reach = |u: f32, v: f32| sqrt(u * u + v * v);
+    Vec3::new(reach(axis.y, axis.z), reach(axis.z, axis.x), reach(axis.x, axis.y))
 }
 
 fn around_points(points: &[Vec3], pose: &Pose) -> Aabb {

@@ -113,7 +113,7 @@ pub fn edge_feature(edge_a: usize, edge_b: usize) -> u32 {
 pub fn single(normal: Vec3, point: ManifoldPoint) -> Manifold {
     let mut points = heapless::Vec::new();
     let _ = points.push(point);
-    Manifold { child: 0, normal, points }
+    Manifold { child: 0, normal, points, surface: 0 }
 }
 
 /// Contacts of a reference face with the other hull's incident face: `None` when the incident face has no
@@ -139,7 +139,11 @@ pub fn face_manifold(pair: &FacePair<'_>, distance: f32) -> Option<Manifold> {
     let mut near = Candidates::new();
     candidates(from, &plane, &naming, distance, &mut near);
     let points = reduce_face(&near, plane.normal);
-    if points.is_empty() { None } else { Some(Manifold { child: 0, normal: pair.normal(), points }) }
+    if points.is_empty() {
+        None
+    } else {
+        Some(Manifold { child: 0, normal: pair.normal(), points, surface: 0 })
+    }
 }
 
 /// Index of the face that looks most against `normal` among those around the vertex farthest against it.

@@ -8,6 +8,8 @@
 //! | capsule | point and segment | two segments | | |
 //! | box | clamp | line by line | 15 axes | |
 //! | hull | closest points | closest points, clip | clip | clip |
+//!
+//! Cylinders, cones and rounded hulls meet everything by their support functions (`support.rs`).
 
 mod box_capsule;
 mod boxes;
@@ -16,7 +18,7 @@ pub mod round;
 mod tests;
 
 use super::polytope::{self, BoxHull, Placed};
-use super::{Hull, Manifold, Manifolds, Solid};
+use super::{Hull, Manifold, Manifolds, Solid, support};
 use crate::math::{Pose, Vec3};
 use round::Segment;
 
@@ -46,7 +48,10 @@ fn rank(solid: &Solid<'_>) -> u32 {
         Solid::Capsule { .. } => 1,
         Solid::Box { .. } => 2,
         Solid::Hull(_) => 3,
-        Solid::HalfSpace | Solid::Mesh(_) => 4,
+        Solid::Cylinder { .. } => 4,
+        Solid::Cone { .. } => 5,
+        Solid::RoundedHull { .. } => 6,
+        Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_) | Solid::Compound(_) => 7,
     }
 }
 
@@ -78,7 +83,7 @@ fn ordered(a: &Solid<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32) -> Option
             _ => with_hull(&BoxHull::new(half_extents).hull(), b, b_in_a, distance),
         },
         Solid::Hull(hull) => with_hull(&hull, b, b_in_a, distance),
-        Solid::HalfSpace | Solid::Mesh(_) => None,
+        _ => support::collide(a, b, b_in_a, distance),
     }
 }
 
@@ -91,7 +96,8 @@ fn with_hull(a: &Hull<'_>, b: &Solid<'_>, b_in_a: &Pose, distance: f32) -> Optio
         }
         Solid::Box { half_extents } => hulls(a, &BoxHull::new(half_extents).hull(), b_in_a, distance),
         Solid::Hull(hull) => hulls(a, &hull, b_in_a, distance),
-        Solid::HalfSpace | Solid::Mesh(_) => None,
+        // Shapes of a higher rank come first, others have no contacts.
+        _ => None,
     }
 }
 

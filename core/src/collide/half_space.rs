@@ -3,8 +3,9 @@
 //! The normal is always the surface's, and the contacts are the shape's lowest points: a point of B at height
 //! `z` over the surface has separation `z`, and lies in the middle at half that height.
 
-use super::clip::{CORNERS_MAX, reduce_face, single};
+use super::clip::{CORNERS_MAX, Candidates, reduce_face, single};
 use super::polytope::BoxHull;
+use super::support::{self, SupportShape};
 use super::{Manifold, ManifoldPoint, Manifolds, Solid};
 use crate::math::{Pose, Vec3};
 
@@ -24,7 +25,14 @@ pub fn collide(b: &Solid<'_>, b_in_a: &Pose, distance: f32, out: &mut Manifolds)
             vertices(BoxHull::new(*half_extents).hull().vertices, b_in_a, distance)
         }
         Solid::Hull(hull) => vertices(hull.vertices, b_in_a, distance),
-        Solid::HalfSpace | Solid::Mesh(_) => None,
+        Solid::Cylinder { .. } | Solid::Cone { .. } => curved(b, b_in_a, distance),
+        Solid::RoundedHull { hull, radius } => {
+            // The core's lowest vertices, over a surface that is higher by the radius.
+            let up = Vec3::Z * *radius;
+            let lowered = Pose::new(b_in_a.position - up, b_in_a.rotation);
+            vertices(hull.vertices, &lowered, distance)
+        }
+        Solid::HalfSpace | Solid::Mesh(_) | Solid::HeightField(_) | Solid::Compound(_) => None,
     };
     if let Some(manifold) = manifold {
         let _ = out.push(manifold);
@@ -51,7 +59,16 @@ fn capsule(ends: [Vec3; 2], radius: f32, distance: f32) -> Option<Manifold> {
             let _ = points.push(lowest);
         }
     }
-    if points.is_empty() { None } else { Some(Manifold { child: 0, normal: Vec3::Z, points }) }
+    if points.is_empty() { None } else { Some(Manifold { child: 0, normal: Vec3::Z, points, surface: 0 }) }
+}
+
+/// The disc, line or point of a curved shape that looks down.
+fn curved(b: &Solid<'_>, pose: &Pose, distance: f32) -> Option<Manifold> {
+    let cuboid = support::box_of(b);
+    let mut low = Candidates::new();
+    support::lowest(&SupportShape::new(b, pose, &cuboid)?, distance, &mut low);
+    let points = reduce_face(&low, Vec3::Z);
+    if points.is_empty() { None } else { Some(Manifold { child: 0, normal: Vec3::Z, points, surface: 0 }) }
 }
 
 fn vertices(vertices: &[Vec3], pose: &Pose, distance: f32) -> Option<Manifold> {
@@ -64,7 +81,7 @@ fn vertices(vertices: &[Vec3], pose: &Pose, distance: f32) -> Option<Manifold> {
         }
     }
     let points = reduce_face(&low, Vec3::Z);
-    if points.is_empty() { None } else { Some(Manifold { child: 0, normal: Vec3::Z, points }) }
+    if points.is_empty() { None } else { Some(Manifold { child: 0, normal: Vec3::Z, points, surface: 0 }) }
 }
 
 #[cfg(test)]

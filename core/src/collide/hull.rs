@@ -20,6 +20,7 @@ use super::mass::MassProperties;
 use super::vector64::{Vector, cross, difference, dot, length, to_f64, to_vec3};
 use super::{Edge, Face, HULL_EDGES_MAX, HULL_FACES_MAX, HULL_VERTICES_MAX, Hull, Plane, Solid};
 use crate::math::{Vec3, max, max_each, min_each};
+use bytemuck::{Pod, Zeroable};
 use core::fmt;
 use growth::{FACETS, Growth, VERTICES};
 use merge::Loop;
@@ -107,6 +108,37 @@ impl HullTables {
             faces: &self.faces,
             loops: &self.loops,
             edges: &self.edges,
+            center: self.center,
+        }
+    }
+}
+
+/// A convex hull, tables and all.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct HullRow {
+    pub vertices: [Vec3; HULL_VERTICES_MAX],
+    pub planes: [Plane; HULL_FACES_MAX],
+    pub faces: [Face; HULL_FACES_MAX],
+    pub loops: [u8; 2 * HULL_EDGES_MAX],
+    pub edges: [Edge; HULL_EDGES_MAX],
+    pub center: Vec3,
+    /// Of the farthest vertex from the origin, m2.
+    pub radius_squared: f32,
+    pub vertex_count: u32,
+    pub face_count: u32,
+    pub loop_count: u32,
+    pub edge_count: u32,
+}
+
+impl HullRow {
+    pub(crate) fn view(&self) -> Hull<'_> {
+        Hull {
+            vertices: &self.vertices[..self.vertex_count as usize],
+            planes: &self.planes[..self.face_count as usize],
+            faces: &self.faces[..self.face_count as usize],
+            loops: &self.loops[..self.loop_count as usize],
+            edges: &self.edges[..self.edge_count as usize],
             center: self.center,
         }
     }

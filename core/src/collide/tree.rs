@@ -17,6 +17,8 @@
 //! Invariants: a search visits exactly the leaves whose own box overlaps the region. How good the tree is changes
 //! the time and the order of the visits, never the set.
 
+pub(crate) mod search;
+
 use crate::math::{Aabb, Vec3, max, max_each, min_each};
 
 /// Children of a box.
@@ -112,10 +114,18 @@ impl Tree<'_> {
         }
     }
 
+    /// The boxes of the lowest level that has at most `count` of them.
+    pub fn level_within(&self, count: usize) -> &[Aabb] {
+        let (first, counts, top) = levels(self.order.len());
+        let level = (0..=top).find(|&level| counts[level] <= count).unwrap_or(top);
+        &self.nodes[first[level]..first[level] + counts[level]]
+    }
+
     /// Visits the id of every leaf whose box overlaps `region` (faces included), once, in the order of the leaves.
     ///
     /// The walk keeps no stack: the box after a subtree is the next sibling, or that of the nearest ancestor that
     /// has one, and both are found from the index.
+    #[inline(always)]
     pub fn query(&self, region: &Aabb, mut visit: impl FnMut(u32)) {
         let (first, count, top) = levels(self.order.len());
         if self.order.is_empty() {

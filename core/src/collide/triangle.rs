@@ -23,6 +23,7 @@ use super::clip::{self, Candidates, FacePair, Naming, Polygon, Reference};
 use super::convex::round::{self, Segment};
 use super::distance::{closest, unit};
 use super::polytope::{self, SLACK_OF_TOLERANCE};
+use super::support::{self, SupportShape};
 use super::{Edge, Face, Hull, Manifold, ManifoldPoint, Mesh, Plane};
 use crate::math::{Vec3, length, max, min, sqrt};
 
@@ -42,6 +43,8 @@ const NEARER: f32 = 0.01;
 const DEEPER: f32 = 2.0;
 /// Lengths that count as equal for round shapes, as a fraction of the radius.
 const ROUND_TOLERANCE: f32 = 1.0e-2;
+/// The same for cylinders, cones and rounded hulls, as a fraction of their size.
+const SUPPORT_TOLERANCE: f32 = 2.0e-3;
 /// The same for contacts of hulls, as a fraction of their size.
 const HULL_TOLERANCE: f32 = 1.0e-3;
 /// How far beyond the sides a segment may be cut, as a fraction of the radius: points on an inner edge belong to
@@ -66,6 +69,13 @@ pub enum Convex<'a> {
     },
     /// A capsule.
     Capsule(Segment),
+    /// A cylinder, a cone or a rounded hull.
+    Support {
+        /// Its support function.
+        shape: &'a SupportShape<'a>,
+        /// About half of its extent, metres.
+        size: f32,
+    },
     /// A box or a hull.
     Hull {
         /// Its tables.
@@ -82,6 +92,7 @@ impl Convex<'_> {
             Self::Sphere { .. } => Vec3::ZERO,
             Self::Capsule(segment) => (segment.tail + segment.head) * 0.5,
             Self::Hull { hull, .. } => hull.center,
+            Self::Support { shape, .. } => shape.center().as_vec3(),
         }
     }
 
@@ -97,6 +108,7 @@ impl Convex<'_> {
                 }
                 sqrt(square)
             }
+            Self::Support { size, .. } => *size,
         }
     }
 
@@ -106,6 +118,7 @@ impl Convex<'_> {
             Self::Sphere { radius } => ROUND_TOLERANCE * radius,
             Self::Capsule(segment) => ROUND_TOLERANCE * segment.radius,
             Self::Hull { tolerance, .. } => *tolerance,
+            Self::Support { size, .. } => SUPPORT_TOLERANCE * size,
         }
     }
 
@@ -114,7 +127,7 @@ impl Convex<'_> {
         match self {
             Self::Sphere { radius } => *radius,
             Self::Capsule(segment) => ROUND_TOLERANCE * segment.radius,
-            Self::Hull { .. } => HULL_TOLERANCE * self.size(),
+            Self::Hull { .. } | Self::Support { .. } => HULL_TOLERANCE * self.size(),
         }
     }
 }
@@ -150,8 +163,12 @@ impl Facet {
     pub fn new(mesh: &Mesh<'_>, index: u32, origin: Vec3, center: Vec3) -> Self {
         let triangle = mesh.triangles[index as usize];
         let corner = |vertex: u32| mesh.vertices[vertex as usize] - origin;
-        let [a, b, c] = triangle.vertices.map(corner);
-        let [ab, bc, ca] = triangle.across.map(|v| (v != u32::MAX).then(|| corner(v)));
+        let across = triangle.across.map(|v| (v != u32::MAX).then(|| corner(v)));
+        Self::of(triangle.vertices.map(corner), across, center)
+    }
+
+    /// The triangle of three corners, turned to `center`; `across` are the corners that face its edges.
+    pub fn of([a, b, c]: [Vec3; 3], [ab, bc, ca]: [Option<Vec3>; 3], center: Vec3) -> Self {
         let (normal, _) = unit((b - a).cross(c - a), Vec3::Z);
         let offset = normal.dot(a);
         if normal.dot(center) >= offset {
@@ -171,6 +188,7 @@ impl Facet {
             Convex::Sphere { radius } => self.sphere(*radius, distance, points),
             Convex::Capsule(segment) => self.capsule(segment, distance, points),
             Convex::Hull { hull, tolerance } => self.polytope(hull, *tolerance, distance, points),
+            Convex::Support { shape, .. } => self.support(shape, b.tolerance(), distance, points),
         }
     }
 
@@ -191,6 +209,21 @@ impl Facet {
         let found = take(&round::hull_capsule(&self.hull(), b, distance)?, points);
         let face = |points: &mut Candidates| self.segment_over_face(b, distance, points);
         self.settle(found?, points, ROUND_TOLERANCE * b.radius, face)
+    }
+
+    fn support(
+        &self,
+        b: &SupportShape<'_>,
+        tolerance: f32,
+        distance: f32,
+        points: &mut Candidates,
+    ) -> Option<Vec3> {
+        let own = SupportShape::of_hull(self.hull());
+        let found = support::contacts(&own, b, distance, points)?;
+        self.settle(found, points, tolerance, |points| {
+            support::contacts_over(&own, b, (self.normal(), distance), points);
+            (!points.is_empty()).then_some(self.normal())
+        })
     }
 
     /// Along the axis that [`polytope::manifold`] would choose.

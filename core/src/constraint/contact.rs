@@ -146,8 +146,8 @@ fn solve<const N: usize>(
     (points, traits): (&mut [PointRow; N], Traits),
     (sweep, shift): (&Sweep, &Shift),
 ) {
-    solve_friction::<N>(u, row, load_of(points), (shift, traits.surfaces));
-    solve_normals(u, row, (points, traits), (sweep, shift));
+    let across = solve_friction::<N>(u, row, load_of(points), (shift, traits.surfaces));
+    solve_normals(u, row, (points, traits), (sweep, shift, across));
 }
 
 /// The same for one whose bodies have: it is rare, and kept out of the way.
@@ -230,14 +230,15 @@ fn warm<const N: usize>(u: &mut Velocities, row: &LinkRow, points: &[PointRow; N
     }
 }
 
-/// The tangents as one disc, then the twist.
+/// The tangents as one disc, then the twist. Returns the impulse across the normal, which the linear velocities
+/// have yet to get: see [`Line`].
 #[inline(always)]
 fn solve_friction<const N: usize>(
     u: &mut Velocities,
     row: &mut LinkRow,
     load: Lane,
     (shift, surfaces): (&Shift, bool),
-) {
+) -> LaneVec {
     let limit = row.friction * load;
     let second = row.normal.cross(row.tangent);
     let first_b = shift.apply(row.first_b, shift.first);
@@ -257,13 +258,15 @@ fn solve_friction<const N: usize>(
         (x, y) = (x * scale, y * scale);
     }
     let (x, y) = (x.finite().flushed(), y.finite().flushed());
-    u.apply(row.tangent, (row.first_a, first_b), x - row.first_impulse);
-    u.apply(second, (row.second_a, second_b), y - row.second_impulse);
+    let (dx, dy) = (x - row.first_impulse, y - row.second_impulse);
+    u.apply_torque(row.first_a, first_b, dx);
+    u.apply_torque(row.second_a, second_b, dy);
+    let across = row.tangent.times(dx) + second.times(dy);
     (row.first_impulse, row.second_impulse) = (x, y);
 
     // One point has no lever.
     if N == 1 {
-        return;
+        return across;
     }
     let limit = limit * row.radius;
     let rate = row.twist_b.dot(u.wb) - row.twist_a.dot(u.wa) + surface.z;
@@ -271,9 +274,11 @@ fn solve_friction<const N: usize>(
     let z = z.least(limit).greatest(-limit).finite().flushed();
     u.apply_torque(row.twist_a, row.twist_b, z - row.twist_impulse);
     row.twist_impulse = z;
+    across
 }
 
-/// The relative motion along the normal, kept as one number while the points of a row are solved.
+/// The relative motion along the normal, kept as one number while the points of a row are solved: the linear
+/// velocities get the impulses of friction and of all points at once.
 struct Line<'a> {
     u: &'a mut Velocities,
     /// n . (vb - va), m/s.
@@ -282,15 +287,22 @@ struct Line<'a> {
     yields: Lane,
     /// Impulse of all points, not yet given to the linear velocities.
     sum: Lane,
+    /// The same across the normal.
+    across: LaneVec,
 }
 
 impl<'a> Line<'a> {
     #[inline(always)]
-    fn new(u: &'a mut Velocities, row: &LinkRow) -> Self {
+    fn new(u: &'a mut Velocities, row: &LinkRow, (across, locked): (LaneVec, bool)) -> Self {
         let n = row.normal;
-        let speed = n.dot(u.vb - u.va);
-        let yields = n.dot(n.each_times(u.ma + u.mb));
-        Self { u, speed, yields, sum: Lane::ZERO }
+        let free = u.ma + u.mb;
+        let mut speed = n.dot(u.vb - u.va);
+        if locked {
+            // An impulse across the normal gives no speed along it, unless some axes are locked.
+            speed = speed + n.dot(across.each_times(free));
+        }
+        let yields = n.dot(n.each_times(free));
+        Self { u, speed, yields, sum: Lane::ZERO, across }
     }
 
     #[inline(always)]
@@ -309,7 +321,7 @@ impl<'a> Line<'a> {
 
     #[inline(always)]
     fn finish(self, row: &LinkRow) {
-        let p = row.normal.times(self.sum);
+        let p = self.across + row.normal.times(self.sum);
         self.u.va = self.u.va - p.each_times(self.u.ma);
         self.u.vb = self.u.vb + p.each_times(self.u.mb);
     }
@@ -432,9 +444,9 @@ fn solve_normals<const N: usize>(
     u: &mut Velocities,
     row: &LinkRow,
     (points, traits): (&mut [PointRow; N], Traits),
-    (sweep, shift): (&Sweep, &Shift),
+    (sweep, shift, across): (&Sweep, &Shift, LaneVec),
 ) {
-    let line = Line::new(u, row);
+    let line = Line::new(u, row, (across, traits.locked));
     if traits.bounces {
         record_bounces(&line, row, points, (sweep, shift));
     }

@@ -5,13 +5,13 @@
 //! trees (shapes of static bodies, and the rest), which are cache. Pairs are a sorted set, so the shape of a tree
 //! never matters.
 
-use crate::body::{BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position, turned_frame};
+use crate::body::{ASLEEP, BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position, turned_frame};
 use crate::collide::tree::{self, Tree};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::executor::{Executor, Stage};
 use crate::lanes::Words;
 use crate::math::{Aabb, Pose, Rotation, Vec3};
-use crate::pipeline::meeting::frame_words;
+use crate::pipeline::meeting::{frame_words, reach_radius};
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
@@ -81,22 +81,52 @@ fn update_boxes<E: Executor>(
             *moved = GONE;
             if is_used(used, task.first + i as u32) {
                 let (body, motion) = (&bodies[shape.body as usize], &motions[shape.body as usize]);
-                let pose = motion.local_to_center(body, &shape.pose);
-                *frame = frame_words(&pose);
-                *stance = match Rotation::unpack(body.stance) {
-                    Some(rotation) if body.is_dynamic() => {
-                        frame_words(&turned_frame(rotation, body, &shape.pose))
-                    }
-                    _ => *frame,
-                };
-                let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
-                let is_home = u32::from(motion.center.sector == home);
-                let (min, max) = (bounds.reach.min, bounds.reach.max);
-                *reach = Reach { min, body: shape.body, max, is_home };
+                if body.has(ASLEEP) && !is_stale(shape, body) {
+                    *moved = 0;
+                    continue;
+                }
+                let (place, bounds) = place_of(shape, (body, motion), (assets, dt, home));
+                (*frame, *stance, *reach) = place;
                 *moved = u8::from(update_box(shape, body, &bounds) || all);
             }
         }
     });
+}
+
+/// The frame of a shape, the same in its body's stance, and its reach; and its bounds.
+fn place_of(
+    shape: &ShapeRow,
+    (body, motion): (&BodyRow, &Motion),
+    (assets, dt, home): (&AssetTables<'_>, f32, [i32; 3]),
+) -> ((Words, Words, Reach), Bounds) {
+    let pose = motion.local_to_center(body, &shape.pose);
+    let frame = frame_words(&pose);
+    let stance = match Rotation::unpack(body.stance) {
+        Some(rotation) if body.is_dynamic() => frame_words(&turned_frame(rotation, body, &shape.pose)),
+        _ => frame,
+    };
+    let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
+    let is_home = u32::from(motion.center.sector == home);
+    let flags = (Reach::HOME * is_home) | (Reach::DYNAMIC * u32::from(body.is_dynamic()));
+    let (min, max) = (bounds.reach.min, bounds.reach.max);
+    let origin = pose.position + motion.center.offset;
+    let radius = reach_radius(shape, (motion, assets, dt));
+    ((frame, stance, Reach { min, body: shape.body, max, flags, origin, radius }), bounds)
+}
+
+/// Computes frame and reach of a shape that the update of boxes has passed over, because its body slept. `home` is the
+/// trees' sector; without one the shape counts as far from it.
+pub(crate) fn place_shape(
+    state: &State<'_>,
+    (assets, dt): (&AssetTables<'_>, f32),
+    (home, scratch): (Option<[i32; 3]>, &mut Scratch<'_>),
+    slot: u32,
+) {
+    let shape = &state.shapes[slot as usize];
+    let body = (&state.bodies[shape.body as usize], &state.motions[shape.body as usize]);
+    let index = slot as usize;
+    let (place, _) = place_of(shape, body, (assets, dt, home.unwrap_or([i32::MAX; 3])));
+    (scratch.frames[index], scratch.stances[index], scratch.reaches[index]) = place;
 }
 
 /// Where a shape is in the step.
@@ -147,7 +177,7 @@ fn list_moved(state: &State<'_>, scratch: &mut Scratch<'_>) -> (usize, bool) {
             scratch.moved[count] = slot as u32;
             count += 1;
             let body = state.shapes[slot].body as usize;
-            statics |= state.bodies[body].kind() == BodyKind::Static;
+            statics |= state.bodies[body].rests();
         }
     }
     (count, statics)
@@ -178,7 +208,7 @@ pub(crate) fn refresh_trees(state: &State<'_>, cache: &mut Cache<'_>, scratch: &
         }
         let belongs = |slot: &u32| {
             let body = state.shapes[*slot as usize].body as usize;
-            (state.bodies[body].kind() == BodyKind::Static) == is_static
+            state.bodies[body].rests() == is_static
         };
         let used = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high).filter(belongs);
         for slot in used() {
@@ -196,18 +226,19 @@ pub(crate) fn refresh_trees(state: &State<'_>, cache: &mut Cache<'_>, scratch: &
         } else {
             cache.header[0].moving_leaves = leaves;
             cache.header[0].moving_fits = 1;
+            cache.header[0].moving_listed = 1;
         }
     }
 }
 
-fn first_sector(state: &State<'_>) -> [i32; 3] {
+pub(crate) fn first_sector(state: &State<'_>) -> [i32; 3] {
     crate::pool::iterate(state.shape_used, state.header[0].shapes.high)
         .next()
         .map_or([0; 3], |slot| state.motions[state.shapes[slot as usize].body as usize].center.sector)
 }
 
 /// A shape's fat box in the tree's coordinates, never smaller than it is.
-fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
+pub(crate) fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
     let shape = &state.shapes[slot as usize];
     let center = state.motions[shape.body as usize].center;
     let shift =
@@ -238,7 +269,7 @@ fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
     let dynamic = |s: &ShapeRow| state.bodies[s.body as usize].is_dynamic();
     sa.body != sb.body
         && (dynamic(sa) || dynamic(sb))
-        && (sa.is_convex() || sb.is_convex())
+        && !(sa.is_surface() && sb.is_surface())
         && sa.filter.meets(&sb.filter)
         && !are_joined(state, sa.body, sb.body)
 }
@@ -372,7 +403,7 @@ impl Search<'_> {
     }
 }
 
-fn tree_of<'a>(nodes: &'a [Aabb], order: &'a [u32], leaves: u32) -> Tree<'a> {
+pub(crate) fn tree_of<'a>(nodes: &'a [Aabb], order: &'a [u32], leaves: u32) -> Tree<'a> {
     let leaves = leaves as usize;
     Tree { nodes: &nodes[..tree::node_count(leaves)], order: &order[..leaves] }
 }

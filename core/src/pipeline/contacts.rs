@@ -45,11 +45,11 @@ pub(crate) struct Change {
 pub(crate) fn merge<E: Executor>(
     state: &mut State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    yields: &[Yield],
+    (yields, woken): (&[Yield], usize),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
     counts.dropped_contacts += yields.iter().map(|task| task.dropped).sum::<u32>();
-    if yields.iter().all(|task| task.born == 0 && task.died == 0) {
+    if woken == 0 && yields.iter().all(|task| task.born == 0 && task.died == 0) {
         return Change::default();
     }
     let before = state.header[0].contacts as usize;
@@ -64,6 +64,7 @@ pub(crate) fn merge<E: Executor>(
         memos: &from[..before],
         touches: &scratch.touches_before[..before],
         births: scratch.births,
+        woken: &scratch.woken[..woken],
     };
     let share = chunk(count, COPY_CONTACTS);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
@@ -138,6 +139,8 @@ struct Source<'a> {
     memos: &'a [Memo],
     touches: &'a [Touch],
     births: &'a [Birth],
+    /// Places of contacts that came back from sleep: to the ordering they are new.
+    woken: &'a [u32],
 }
 
 /// A run of contacts in the order of this step.
@@ -156,6 +159,11 @@ impl Task<'_> {
                 self.rows[i] = source.rows[old];
                 self.memos[i] = source.memos[old];
                 self.touches[i] = source.touches[old];
+                if !source.woken.is_empty() {
+                    let before = source.woken.partition_point(|&place| place < *from);
+                    let is_woken = source.woken.get(before) == Some(from);
+                    *from = if is_woken { NEW } else { *from - before as u32 };
+                }
             } else {
                 let birth = &source.births[(*from & !BORN) as usize];
                 self.rows[i] = birth.row;

@@ -1,9 +1,9 @@
 //! Finish: results of the solve written back to the state; bodies that are no longer numbers are quarantined.
 
 use crate::body::{
-    self, BodyKind, BodyRow, CHANGED_SECTOR, KIND_MASK, Motion, QUARANTINED, STOPS_AFTER_STEP,
+    self, ASLEEP, BodyKind, BodyRow, CHANGED_SECTOR, KIND_MASK, Motion, QUARANTINED, STOPS_AFTER_STEP,
 };
-use crate::config::SECTOR_MAX;
+use crate::config::{SECTOR_MAX, Settings};
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
@@ -28,11 +28,11 @@ const FINISH_CONTACTS: usize = 512;
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
     (cache, scratch): (&Cache<'_>, &Scratch<'_>),
-    (plan, dt): (&Plan, f32),
+    (plan, settings): (&Plan, &Settings),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
     store_impulses(state, (cache, scratch), plan, crew);
-    store_motions(state, (cache, scratch), (plan, dt), (crew, counts));
+    store_motions(state, (cache, scratch), (plan, settings), (crew, counts));
     if counts.quarantined > 0 {
         drop_shapes_of_quarantined(state);
     }
@@ -88,12 +88,22 @@ fn store(row: &mut ContactRow, (link, points): (&LinkRow, &[PointRow]), sign: f3
 struct Found {
     quarantined: u32,
     capped: u32,
+    ready: u32,
+}
+
+/// Counts a step in which the body was quiet: the mean square of its points' speeds is
+/// `v^2 + w^2 I / m`, `I` being the moment about the axis of its spin; here the greatest.
+fn count_quiet(motion: &Motion, row: &mut BodyRow, speed: f32) {
+    let i = row.inertia;
+    let gyration = crate::math::max(i.x, crate::math::max(i.y, i.z)) / row.mass;
+    let squares = motion.linear.dot(motion.linear) + motion.angular.dot(motion.angular) * gyration;
+    row.count_quiet(squares < speed * speed);
 }
 
 fn store_motions<E: Executor>(
     state: &mut State<'_>,
     (cache, scratch): (&Cache<'_>, &Scratch<'_>),
-    (plan, dt): (&Plan, f32),
+    (plan, settings): (&Plan, &Settings),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
     struct Task<'a> {
@@ -113,6 +123,7 @@ fn store_motions<E: Executor>(
         active: scratch.active,
     };
     let used = &*state.body_used;
+    let (dt, sleep) = (settings.dt, settings.sleep_steps());
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let parts = state.motions[..high].chunks_mut(share).zip(state.bodies[..high].chunks_mut(share));
     for (i, (motions, rows)) in parts.enumerate() {
@@ -125,7 +136,14 @@ fn store_motions<E: Executor>(
                 match row.kind() {
                     BodyKind::Static => {}
                     BodyKind::Kinematic => move_kinematic(motion, row, dt),
-                    BodyKind::Dynamic => results.store(slot, motion, row, &mut task.found),
+                    BodyKind::Dynamic if row.has(ASLEEP) => {}
+                    BodyKind::Dynamic => {
+                        results.store(slot, motion, row, &mut task.found);
+                        if let Some(steps) = sleep {
+                            count_quiet(motion, row, settings.sleep_speed);
+                            task.found.ready += u32::from(row.quiet_steps() >= steps);
+                        }
+                    }
                 }
             }
         }
@@ -133,6 +151,7 @@ fn store_motions<E: Executor>(
     for task in &tasks {
         counts.quarantined += task.found.quarantined;
         counts.capped += task.found.capped;
+        counts.ready += task.found.ready;
     }
 }
 

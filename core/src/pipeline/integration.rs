@@ -450,6 +450,32 @@ mod tests {
     }
 
     #[test]
+    fn a_lane_depends_on_itself_alone() {
+        // Nothing, a slow and a fast symmetric top, an uneven one in one part, and one in many with large angles.
+        let cases = [(0.0, 0.0, 0.1), (0.0, 0.7, 0.2), (0.0, -0.4, 2.5), (0.3, -0.4, 0.2), (0.2, 0.9, 3.0)];
+        let row = |present: &dyn Fn(usize) -> bool| {
+            let mut frame = LaneRotation { imaginary: LaneVec::ZERO, real: Lane::splat(1.0) };
+            let (mut turn, mut near, mut far) = (LaneVec::ZERO, Lane::ZERO, Lane::ZERO);
+            for (lane, &(n, f, size)) in cases.iter().enumerate().filter(|(lane, _)| present(*lane)) {
+                let tilt = 0.2 + 0.3 * lane as f32;
+                frame.set(lane, Rotation::new(tilt, -0.4, 0.3, 0.7).normalized());
+                turn.set(lane, Vec3::new(0.5, -0.7, 0.6) * size);
+                near.set(lane, n);
+                far.set(lane, f);
+            }
+            let whole = LaneRotation::by(turn).after(swing(frame, turn, (near, far)));
+            (whole.after(frame).renormalized(), whole.vector())
+        };
+        let (together, vectors) = row(&|_| true);
+        for lane in 0..cases.len() {
+            let (alone, vector) = row(&|other| other == lane);
+            assert_eq!(alone.get(lane), together.get(lane), "{lane}");
+            assert_eq!(vector.get(lane), vectors.get(lane), "{lane}");
+            assert!((alone.get(lane).norm_squared() - 1.0).abs() < 1.0e-6, "{lane}");
+        }
+    }
+
+    #[test]
     fn whitening_is_undone_by_the_root() {
         let q = Rotation::new(0.5, -0.1, 0.3, 0.8).normalized();
         let inertia = Vec3::new(1.0, 3.0, 2.5);

@@ -8,13 +8,13 @@
 //! The base is rounded so that it takes 20 bytes. It is where points are *looked for*; where they are, and how far
 //! apart, is always computed from the exact poses.
 
-use crate::body::{BodyRow, Motion, Position};
+use crate::body::{Motion, Position};
 use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::lanes::Words;
-use crate::math::{Pose, Rotation, Vec3, length};
+use crate::math::{Pose, Rotation, Vec3, length, sqrt};
 use crate::pipeline::solid;
-use crate::shape::{GEOMETRY_BOX, GEOMETRY_HULL, ShapeRow};
+use crate::shape::{GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HULL, GEOMETRY_SPHERE, ShapeRow};
 use crate::state::{AssetTables, ContactRow, Memo, Pair, Reach};
 use bytemuck::Zeroable;
 
@@ -44,26 +44,29 @@ fn frame_of(words: Words) -> Pose {
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a> {
     pub shapes: &'a [ShapeRow],
-    pub bodies: &'a [BodyRow],
     pub motions: &'a [Motion],
     pub frames: &'a [Words],
     pub reaches: &'a [Reach],
 }
 
 impl Scene<'_> {
-    /// True when the boxes of two shapes over the way of the step overlap.
+    /// True when the boxes and the balls of two shapes over the way of the step overlap.
     #[inline]
     pub fn may_touch(&self, pair: Pair) -> bool {
         let (a, b) = (&self.reaches[pair.a as usize], &self.reaches[pair.b as usize]);
-        if a.is_home & b.is_home != 0 {
-            return overlap((a.min, a.max), (b.min, b.max));
+        if a.flags & b.flags & Reach::HOME != 0 {
+            return overlap(a, b, Vec3::ZERO);
         }
         let middle = |reach: &Reach| {
             let sector = self.motions[reach.body as usize].center.sector;
             Position { sector, offset: Vec3::ZERO }
         };
-        let shift = middle(b).minus(middle(a));
-        overlap((a.min, a.max), (b.min + shift, b.max + shift))
+        overlap(a, b, middle(b).minus(middle(a)))
+    }
+
+    /// True when the shape's body is dynamic.
+    pub fn is_dynamic(&self, shape: u32) -> bool {
+        self.reaches[shape as usize].flags & Reach::DYNAMIC != 0
     }
 
     fn motion(&self, shape: u32) -> &Motion {
@@ -78,16 +81,17 @@ impl Scene<'_> {
     }
 }
 
-/// True when a pair is collided in the order of its slots: in the other one it would have to be turned round.
+/// True when a pair is collided in the order of its slots: the other one would have to be turned round.
 pub(crate) fn are_in_order(a: &ShapeRow, b: &ShapeRow) -> bool {
     a.kind >= b.kind
 }
 
-/// True when two boxes share a point. All is compared: which side parts them cannot be foretold, and a wrong guess
-/// costs more than all six.
+/// True when the boxes and the balls of two shapes overlap, the second moved by `shift`. All is compared: what
+/// parts them cannot be foretold, and a wrong guess costs more than the rest.
 #[inline(always)]
-fn overlap((low_a, high_a): (Vec3, Vec3), (low_b, high_b): (Vec3, Vec3)) -> bool {
-    low_a.cmple(high_b).all() & low_b.cmple(high_a).all()
+fn overlap(a: &Reach, b: &Reach, shift: Vec3) -> bool {
+    let (away, reach) = (b.origin + shift - a.origin, a.radius + b.radius);
+    a.min.cmple(b.max + shift).all() & (b.min + shift).cmple(a.max).all() & (away.dot(away) <= reach * reach)
 }
 
 /// The pose of B's frame in A's, both given from the centers of their bodies, B's center at `centers` from A's.
@@ -179,6 +183,18 @@ fn radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> Option<Radius> {
         GEOMETRY_HULL => Some(Radius { squared: assets.hulls[shape.asset() as usize].radius_squared }),
         _ => None,
     }
+}
+
+/// How far from the origin of its frame a shape's contacts may be in the coming step: two shapes whose balls of
+/// this radius are apart have none, fast as they may be.
+pub(crate) fn reach_radius(shape: &ShapeRow, (motion, assets, dt): (&Motion, &AssetTables<'_>, f32)) -> f32 {
+    let own = match shape.kind {
+        GEOMETRY_SPHERE => shape.size[0],
+        GEOMETRY_CAPSULE => shape.size[0] + shape.size[1],
+        _ => radius(shape, assets).map_or(f32::INFINITY, |radius| sqrt(radius.squared)),
+    };
+    // A hundred-thousandth more: what is rounded away.
+    (own + 0.5 * SPECULATIVE_DISTANCE + length(motion.linear) * dt) * 1.000_01
 }
 
 /// The memo of a manifold in the frames of A and B; `exchanged` when the order of the solver is the other.

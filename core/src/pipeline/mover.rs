@@ -4,7 +4,7 @@
 //! is data, and a row without tops skips what only tops need.
 
 use crate::body::{BodyRow, Motion};
-use crate::collide::vector64::{Vector, cross, dot, to_f64, to_vec3};
+use crate::collide::vector64::{Vector, dot, to_f64, to_vec3};
 use crate::config::{LINEAR_SPEED_MAX, TURN_MAX};
 use crate::constraint::velocities::root_times;
 use crate::lanes::{LANES, Lane, LaneVec, Words, transpose, transpose_back};
@@ -346,30 +346,32 @@ pub(crate) fn angular_velocity(
     to_vec3(end.apply(core::array::from_fn(|i| local[i] / inertia[i])))
 }
 
-/// A rotation in double precision. Its quaternion may have any length.
-struct Turn {
-    imaginary: Vector,
-    real: f64,
-    /// 2 over the square of the length.
-    scale: f64,
-}
+/// A rotation in double precision: the rows of its matrix.
+struct Turn([Vector; 3]);
 
 impl Turn {
+    /// Of a quaternion of any length.
     fn of(q: Rotation) -> Self {
-        let (imaginary, real) = (to_f64(q.imaginary()), f64::from(q.w));
-        Self { imaginary, real, scale: 2.0 / (dot(imaginary, imaginary) + real * real) }
+        let ([x, y, z], w) = (to_f64(q.imaginary()), f64::from(q.w));
+        let scale = 2.0 / (x * x + y * y + z * z + w * w);
+        let (sx, sy, sz) = (x * scale, y * scale, z * scale);
+        let (xx, yy, zz) = (x * sx, y * sy, z * sz);
+        let (xy, xz, yz) = (x * sy, x * sz, y * sz);
+        let (wx, wy, wz) = (w * sx, w * sy, w * sz);
+        Self([
+            [1.0 - (yy + zz), xy - wz, xz + wy],
+            [xy + wz, 1.0 - (xx + zz), yz - wx],
+            [xz - wy, yz + wx, 1.0 - (xx + yy)],
+        ])
     }
 
     fn apply(&self, v: Vector) -> Vector {
-        let t = cross(self.imaginary, v);
-        let u = cross(self.imaginary, t);
-        core::array::from_fn(|i| v[i] + (u[i] + t[i] * self.real) * self.scale)
+        self.0.map(|row| dot(row, v))
     }
 
     fn undo(&self, v: Vector) -> Vector {
-        let t = cross(self.imaginary, v);
-        let u = cross(self.imaginary, t);
-        core::array::from_fn(|i| v[i] + (u[i] - t[i] * self.real) * self.scale)
+        let [a, b, c] = self.0;
+        core::array::from_fn(|i| a[i] * v[0] + b[i] * v[1] + c[i] * v[2])
     }
 }
 

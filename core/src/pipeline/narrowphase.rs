@@ -11,7 +11,10 @@ use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid, solver};
-use crate::shape::{FRESH, GEOMETRY_BOX, GEOMETRY_MESH, ShapeRow};
+use crate::shape::{
+    FRESH, GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER,
+    GEOMETRY_HEIGHT_FIELD, GEOMETRY_MESH, ShapeRow,
+};
 use crate::state::{AssetTables, Birth, Cache, ContactRow, Memo, Pair, Scratch, State, Tag, Touch};
 use bytemuck::Zeroable;
 
@@ -19,16 +22,16 @@ use bytemuck::Zeroable;
 const COLLIDE_PAIRS: usize = 64;
 
 /// Finds the contacts of the step. Says which began and ended. `moved` shapes are listed in the scratch: new and
-/// changed ones are among them.
+/// changed ones are among them. `woken` contacts are back from sleep, and listed too.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt, moved): (&AssetTables<'_>, f32, usize),
+    (assets, dt, moved, woken): (&AssetTables<'_>, f32, usize, usize),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
     let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
-    let change = contacts::merge(state, (cache, scratch), &yields, (crew, counts));
+    let change = contacts::merge(state, (cache, scratch), (&yields, woken), (crew, counts));
     for &slot in &scratch.moved[..moved] {
         state.shapes[slot as usize].flags &= !FRESH;
     }
@@ -47,7 +50,6 @@ fn collide_pairs<E: Executor>(
     let look = Look {
         scene: Scene {
             shapes: state.shapes,
-            bodies: state.bodies,
             motions: state.motions,
             frames: scratch.frames,
             reaches: scratch.reaches,
@@ -114,18 +116,23 @@ impl Look<'_> {
 
     /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.
     fn extra_births(&self, pairs: &[Pair]) -> usize {
-        if self.assets.meshes.is_empty() {
+        if self.assets.meshes.len() + self.assets.height_fields.len() + self.assets.compounds.len() == 0 {
             return 0;
         }
-        let concave = |slot: u32| self.shape(slot).kind == GEOMETRY_MESH;
+        let concave = |slot: u32| {
+            matches!(self.shape(slot).kind, GEOMETRY_MESH | GEOMETRY_HEIGHT_FIELD | GEOMETRY_COMPOUND)
+        };
         pairs.iter().filter(|pair| concave(pair.a) || concave(pair.b)).count() * (MANIFOLDS_MAX - 1)
     }
 
     /// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one.
-    fn are_exchanged(&self, (a, b): (&ShapeRow, &ShapeRow)) -> bool {
-        let dynamic = |shape: &ShapeRow| self.scene.bodies[shape.body as usize].is_dynamic();
-        // Spheres come before capsules, and those before all others.
-        let edges = |shape: &ShapeRow| shape.kind.min(GEOMETRY_BOX);
+    fn are_exchanged(&self, [a, b]: [u32; 2]) -> bool {
+        let dynamic = |slot: u32| self.scene.is_dynamic(slot);
+        // Spheres come before capsules, cylinders and cones, and those before all others.
+        let edges = |slot: u32| match self.shape(slot).kind {
+            GEOMETRY_CYLINDER | GEOMETRY_CONE => GEOMETRY_CAPSULE,
+            kind => kind.min(GEOMETRY_BOX),
+        };
         !dynamic(a) || (dynamic(b) && edges(b) < edges(a))
     }
 }
@@ -183,6 +190,16 @@ impl Found<'_> {
             settled: if settled { 1.0 } else { 0.0 },
         }
     }
+
+    /// Replaces the material of the mesh or height field by that of one of its surfaces.
+    fn take_surface(&self, name: u32, assets: &AssetTables<'_>, touch: &mut Touch) {
+        let (a, b) = self.shapes;
+        let (concave, other) = if a.is_surface() { (a, b) } else { (b, a) };
+        if let Some(surface) = assets.surface(concave, name) {
+            touch.friction = sqrt(surface.friction * other.friction);
+            touch.restitution = max(surface.restitution, other.restitution);
+        }
+    }
 }
 
 impl Task<'_> {
@@ -222,7 +239,7 @@ impl Task<'_> {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
         let meeting = Meeting::new(&look.scene, slots, look.dt);
-        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(shapes) };
+        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots) };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);
@@ -248,7 +265,7 @@ impl Task<'_> {
             meeting::collide_at(&base, solids, manifolds);
             self.list_olds(look, (&found, first), olds);
             for manifold in &*manifolds {
-                self.take_over(&found, (manifold, &base), Some(memory), olds);
+                self.take_over(look, &found, (manifold, &base, Some(memory)), olds);
             }
         } else {
             found.meeting.collide(solids, manifolds);
@@ -257,7 +274,7 @@ impl Task<'_> {
             }
             self.list_olds(look, (&found, first), olds);
             for manifold in &*manifolds {
-                self.take_over(&found, (manifold, &found.meeting.b_in_a), None, olds);
+                self.take_over(look, &found, (manifold, &found.meeting.b_in_a, None), olds);
             }
         }
         // What was not taken over has ended.
@@ -268,8 +285,8 @@ impl Task<'_> {
         }
     }
 
-    /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row
-    /// stays as it is, and only where the points are is new.
+    /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row stays
+    /// as it is, and only where the points are is new.
     fn goes_on(&mut self, found: &Found<'_>, first: usize, manifolds: &Manifolds) -> bool {
         let ([row], [manifold]) = (&self.rows[first..self.next], manifolds.as_slice()) else { return false };
         let mut features = [0; POINTS_MAX];
@@ -316,9 +333,9 @@ impl Task<'_> {
     /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact keeps.
     fn take_over(
         &mut self,
+        look: &Look<'_>,
         found: &Found<'_>,
-        (manifold, b_in_a): (&Manifold, &Pose),
-        base: Option<[u32; 5]>,
+        (manifold, b_in_a, base): (&Manifold, &Pose, Option<[u32; 5]>),
         olds: &Olds,
     ) {
         let mut features = [0; POINTS_MAX];
@@ -335,7 +352,10 @@ impl Task<'_> {
         let old = olds.iter().find(|old| old.row.tag.child() == manifold.child);
         carry_over(&mut row, &features, old, olds);
         let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
-        let touch = found.touch(base.is_some());
+        let mut touch = found.touch(base.is_some());
+        if manifold.surface != 0 {
+            found.take_surface(manifold.surface, look.assets, &mut touch);
+        }
         if let Some(old) = old {
             self.rows[old.place] = row;
             self.memos[old.place] = memo;

@@ -8,7 +8,8 @@ use crate::collide::{Hull, Mesh, Triangle, mesh, tree};
 use crate::error::Error;
 use crate::handle::{HullHandle, MeshHandle};
 use crate::math::Vec3;
-use crate::state::{Assets, HullRow, MeshRow, Scratch};
+use crate::shape::check_material;
+use crate::state::{Assets, HullRow, MeshRow, Scratch, Surface, SurfaceRun};
 use bytemuck::{Pod, Zeroable};
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
@@ -37,6 +38,37 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// [`Error::AssetsSealed`] after the first step, [`Error::Full`], or [`Error::Mesh`] naming the vertex or
     /// triangle that is not finite, out of range, without area or there twice.
     pub fn add_mesh(&mut self, vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<MeshHandle, Error> {
+        self.add_mesh_of_surfaces(vertices, triangles, (&[], &[]))
+    }
+
+    /// Registers a triangle mesh whose triangles have materials of their own, in the place of the shape's: for each
+    /// triangle an index into a table of at most 256 surfaces. A contact takes the material of the triangle that
+    /// has its deepest point.
+    ///
+    /// # Errors
+    /// As [`World::add_mesh`], and [`Error::Surface`].
+    pub fn add_mesh_with_surfaces(
+        &mut self,
+        vertices: &[Vec3],
+        triangles: &[[u32; 3]],
+        (indices, surfaces): (&[u8], &[Surface]),
+    ) -> Result<MeshHandle, Error> {
+        let missing = |index: usize| Error::Surface { index: index as u32 };
+        if indices.len() != triangles.len() {
+            return Err(missing(indices.len().min(triangles.len())));
+        }
+        match indices.iter().position(|&index| usize::from(index) >= surfaces.len()) {
+            Some(triangle) => Err(missing(triangle)),
+            None => self.add_mesh_of_surfaces(vertices, triangles, (indices, surfaces)),
+        }
+    }
+
+    fn add_mesh_of_surfaces(
+        &mut self,
+        vertices: &[Vec3],
+        triangles: &[[u32; 3]],
+        (indices, surfaces): (&[u8], &[Surface]),
+    ) -> Result<MeshHandle, Error> {
         self.check_unsealed()?;
         let scratch_layout = self.layout.scratch;
         let (mut assets, scratch) = self.assets_mut();
@@ -44,10 +76,19 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let row = reserve(&assets, vertices.len(), triangles.len())?;
         let index = assets.header[0].meshes;
         if let Err(error) = fill_mesh(&mut assets, &mut scratch, &row, (vertices, triangles)) {
-            // What was written stays above the marks; make it zeros again.
-            run_mut(assets.vertices, row.first_vertex, row.vertices).fill(Vec3::ZERO);
-            run_mut(assets.triangles, row.first_triangle, row.triangles).fill(Triangle::zeroed());
+            clear_mesh(&mut assets, &row);
             return Err(error);
+        }
+        let surfaces = match append_surfaces(&mut assets, surfaces) {
+            Ok(run) => run,
+            Err(error) => {
+                clear_mesh(&mut assets, &row);
+                return Err(error);
+            }
+        };
+        if surfaces.count > 0 {
+            assets.mesh_surfaces[index as usize] = surfaces;
+            run_mut(assets.triangle_surfaces, row.first_triangle, row.triangles).copy_from_slice(indices);
         }
         assets.meshes[index as usize] = row;
         let header = &mut assets.header[0];
@@ -57,7 +98,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         header.nodes += row.nodes;
         let seed = hash(bytemuck::bytes_of(&row), header.hash ^ 2);
         let seed = hash(bytes(run_mut(assets.vertices, row.first_vertex, row.vertices)), seed);
-        header.hash = hash(bytes(run_mut(assets.triangles, row.first_triangle, row.triangles)), seed);
+        let seed = hash(bytes(run_mut(assets.triangles, row.first_triangle, row.triangles)), seed);
+        header.hash = if surfaces.count == 0 {
+            seed
+        } else {
+            hash(indices, hash(bytes(run_mut(assets.surfaces, surfaces.first, surfaces.count)), seed))
+        };
         Ok(MeshHandle(index))
     }
 
@@ -85,7 +131,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         self.layout.assets.header.of(self.bytes())[0].hash
     }
 
-    fn check_unsealed(&self) -> Result<(), Error> {
+    pub(super) fn check_unsealed(&self) -> Result<(), Error> {
         if self.steps() == 0 { Ok(()) } else { Err(Error::AssetsSealed) }
     }
 }
@@ -142,11 +188,36 @@ fn fill_mesh(
     Ok(())
 }
 
-fn run_mut<T>(table: &mut [T], first: u32, count: u32) -> &mut [T] {
+/// What was written of a refused mesh stays above the marks; makes it zeros again.
+fn clear_mesh(assets: &mut Assets<'_>, row: &MeshRow) {
+    run_mut(assets.vertices, row.first_vertex, row.vertices).fill(Vec3::ZERO);
+    run_mut(assets.triangles, row.first_triangle, row.triangles).fill(Triangle::zeroed());
+}
+
+/// Puts a table of surfaces behind those of before; writes nothing when it is refused.
+pub(super) fn append_surfaces(assets: &mut Assets<'_>, surfaces: &[Surface]) -> Result<SurfaceRun, Error> {
+    if surfaces.is_empty() {
+        return Ok(SurfaceRun::zeroed());
+    }
+    let is_bad = |surface: &Surface| check_material(surface.friction, surface.restitution).is_err();
+    if let Some(index) = surfaces.iter().position(is_bad) {
+        return Err(Error::Surface { index: index as u32 });
+    }
+    let first = assets.header[0].surfaces;
+    if surfaces.len() > assets.surfaces.len() - first as usize {
+        return Err(Error::Full { name: "surfaces" });
+    }
+    let run = SurfaceRun { first, count: surfaces.len() as u32 };
+    run_mut(assets.surfaces, run.first, run.count).copy_from_slice(surfaces);
+    assets.header[0].surfaces += run.count;
+    Ok(run)
+}
+
+pub(super) fn run_mut<T>(table: &mut [T], first: u32, count: u32) -> &mut [T] {
     &mut table[first as usize..(first + count) as usize]
 }
 
-fn bytes<T: Pod>(rows: &[T]) -> &[u8] {
+pub(super) fn bytes<T: Pod>(rows: &[T]) -> &[u8] {
     bytemuck::cast_slice(rows)
 }
 

@@ -4,8 +4,8 @@ use super::World;
 use super::joints::remove_joints_of;
 use crate::arena::Line;
 use crate::body::{
-    self, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
-    Position, STOPS_AFTER_STEP,
+    self, ASLEEP, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
+    Position, SLEEPLESS, STOPS_AFTER_STEP, WAKES,
 };
 use crate::collide::mass::MassAccumulator;
 use crate::error::Error;
@@ -48,6 +48,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         row.first_shape = u32::MAX;
         row.set_kind(def.kind);
         row.set_locks(def.locks);
+        if !def.can_sleep {
+            row.flags |= SLEEPLESS;
+        }
         row.axes = Rotation::IDENTITY;
         row.stance = def.rotation.normalized().pack();
         let moving = def.kind != BodyKind::Static;
@@ -73,6 +76,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let slot = self.body_slot(body)?;
         self.touch_trees();
         let mut state = self.state_view();
+        wake_slot(&mut state, slot);
+        if state.bodies[slot].has(ASLEEP) {
+            state.header[0].asleep -= 1;
+        }
         remove_joints_of(&mut state, slot as u32);
         let mut shape = state.bodies[slot].first_shape;
         while shape != u32::MAX {
@@ -192,6 +199,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         check_pose(position, rotation)?;
         self.touch_trees();
         let mut state = self.state_view();
+        wake_slot(&mut state, slot);
         let rotation = rotation.normalized();
         let local_center = state.bodies[slot].local_center;
         state.motions[slot].center = position.normalized().plus(rotation.rotate(local_center));
@@ -209,7 +217,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn set_linear_velocity(&mut self, body: BodyHandle, velocity: Vec3) -> Result<(), Error> {
         let slot = self.moving_slot(body)?;
         validate::vector_within("velocity", velocity, SPEED_MAX)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
+        wake_slot(&mut state, slot);
         state.motions[slot].linear = velocity;
         state.bodies[slot].flags &= !STOPS_AFTER_STEP;
         Ok(())
@@ -222,7 +231,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn set_angular_velocity(&mut self, body: BodyHandle, velocity: Vec3) -> Result<(), Error> {
         let slot = self.moving_slot(body)?;
         validate::vector_within("velocity", velocity, SPEED_MAX)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
+        wake_slot(&mut state, slot);
         state.motions[slot].angular = velocity;
         state.bodies[slot].flags &= !STOPS_AFTER_STEP;
         Ok(())
@@ -243,7 +253,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let slot = self.body_slot(body)?;
         check_pose(position, rotation)?;
         let dt = self.settings().dt;
-        let state = self.state_view();
+        let mut state = self.state_view();
         if state.bodies[slot].kind() != BodyKind::Kinematic {
             return Err(Error::WrongKind { needs: "only a kinematic body has a target pose" });
         }
@@ -261,23 +271,30 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         motion.linear = linear;
         motion.angular = angular;
         state.bodies[slot].flags |= STOPS_AFTER_STEP;
+        wake_slot(&mut state, slot);
         Ok(())
     }
 
     /// Changes how the body moves. A body that becomes static loses its velocities.
     ///
     /// # Errors
-    /// [`Error::Stale`], or [`Error::WrongKind`] when a body with a half-space or a mesh shall become dynamic.
+    /// [`Error::Stale`], or [`Error::WrongKind`] when a body with a half-space, a mesh or a height field shall
+    /// become dynamic.
     pub fn set_kind(&mut self, body: BodyHandle, kind: BodyKind) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
-        if kind == BodyKind::Dynamic && !only_convex(&self.state_view(), slot) {
+        if kind == BodyKind::Dynamic && !has_no_surface(&self.state_view(), slot) {
             return Err(Error::WrongKind {
-                needs: "half-spaces and meshes are for static and kinematic bodies",
+                needs: "half-spaces, meshes and height fields are for static and kinematic bodies",
             });
         }
         self.touch_trees();
         let mut state = self.state_view();
+        wake_slot(&mut state, slot);
         let row = &mut state.bodies[slot];
+        if row.has(ASLEEP) {
+            row.flags &= !ASLEEP;
+            state.header[0].asleep -= 1;
+        }
         row.set_kind(kind);
         row.flags &= !(STOPS_AFTER_STEP | body::QUARANTINED);
         row.force = Vec3::ZERO;
@@ -299,6 +316,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// [`Error::Stale`], or a number is refused; see [`MassProperties`].
     pub fn set_mass(&mut self, body: BodyHandle, mass: Option<&MassProperties>) -> Result<(), Error> {
         let slot = self.body_slot(body)?;
+        // A far center rounds the pose anew.
+        self.cache_header_mut().queried = 0;
         match mass {
             Some(mass) => {
                 body::check_mass(mass)?;
@@ -326,7 +345,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Sets the factor on gravity, -1e3..=1e3.
     pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
         validate::in_range("scale", scale, -1.0e3, 1.0e3)?;
-        self.body_row_mut(body)?.gravity_scale = scale;
+        let slot = self.body_slot(body)?;
+        let mut state = self.state_view();
+        state.bodies[slot].gravity_scale = scale;
+        wake_slot(&mut state, slot);
         Ok(())
     }
 
@@ -335,7 +357,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if locks.0 > AxisLocks::ALL.0 {
             return Err(Error::OutOfRange { name: "locks" });
         }
-        self.body_row_mut(body)?.set_locks(locks);
+        let slot = self.body_slot(body)?;
+        let mut state = self.state_view();
+        state.bodies[slot].set_locks(locks);
+        wake_slot(&mut state, slot);
         Ok(())
     }
 
@@ -405,7 +430,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
 
     fn add_effort(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
         let slot = self.dynamic_slot(body)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
         let row = &mut state.bodies[slot];
         validate::vector_within("force", force, EFFORT_MAX)?;
         validate::vector_within("torque", torque, EFFORT_MAX)?;
@@ -413,6 +438,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         validate::vector_within("torque", row.torque + torque, EFFORT_MAX)?;
         row.force += force;
         row.torque += torque;
+        wake_slot(&mut state, slot);
         Ok(())
     }
 
@@ -420,7 +446,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let slot = self.dynamic_slot(body)?;
         validate::vector_within("impulse", impulse, EFFORT_MAX)?;
         validate::vector_within("impulse", angular, EFFORT_MAX)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
         let (row, motion) = (&state.bodies[slot], &mut state.motions[slot]);
         let locks = row.locks();
         let mut change = impulse / row.mass;
@@ -436,6 +462,38 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         validate::vector_within("impulse", motion.angular + turn, SPEED_MAX)?;
         motion.linear += change;
         motion.angular += turn;
+        wake_slot(&mut state, slot);
+        Ok(())
+    }
+
+    /// True when the body sleeps: it is not solved, and rests where it is until something wakes it.
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn is_asleep(&self, body: BodyHandle) -> Result<bool, Error> {
+        Ok(self.body_row(body)?.has(ASLEEP))
+    }
+
+    /// Wakes the body, and what it touches, in the next step. Calls that change a body do this by themselves.
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn wake(&mut self, body: BodyHandle) -> Result<(), Error> {
+        let slot = self.body_slot(body)?;
+        wake_slot(&mut self.state_view(), slot);
+        Ok(())
+    }
+
+    /// Lets the body fall asleep, or keeps it awake.
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
+        let slot = self.body_slot(body)?;
+        let mut state = self.state_view();
+        wake_slot(&mut state, slot);
+        let row = &mut state.bodies[slot];
+        row.flags = if can_sleep { row.flags & !SLEEPLESS } else { row.flags | SLEEPLESS };
         Ok(())
     }
 
@@ -462,7 +520,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// The trees no longer fit the shapes.
     pub(super) fn touch_trees(&mut self) {
         self.header_mut().static_version += 1;
-        self.cache_header_mut().moving_fits = 0;
+        let cache = self.cache_header_mut();
+        cache.moving_fits = 0;
+        cache.moving_listed = 0;
+        cache.queried = 0;
     }
 
     pub(super) fn body_slot(&self, body: BodyHandle) -> Result<usize, Error> {
@@ -527,6 +588,7 @@ fn default_mass() -> MassProperties {
 /// Sets mass, center and inertia. The origin stays where it is; the velocity is that of the new center.
 fn set_mass(state: &mut State<'_>, slot: u32, mass: &MassProperties) {
     let slot = slot as usize;
+    wake_slot(state, slot);
     let (row, motion) = (&mut state.bodies[slot], &mut state.motions[slot]);
     let shift = motion.rotation.rotate(mass.center - row.local_center);
     let mut mass = *mass;
@@ -545,6 +607,27 @@ fn set_mass(state: &mut State<'_>, slot: u32, mass: &MassProperties) {
     }
 }
 
+/// The body was changed: it starts to be quiet anew, and wakes with what it touches.
+pub(super) fn wake_slot(state: &mut State<'_>, slot: usize) {
+    state.bodies[slot].count_quiet(false);
+    if state.header[0].asleep > 0 {
+        state.bodies[slot].flags |= WAKES;
+        state.header[0].wakes = 1;
+    }
+}
+
+/// Wakes every body that sleeps.
+pub(super) fn wake_all(state: &mut State<'_>) {
+    if state.header[0].asleep == 0 {
+        return;
+    }
+    for slot in 0..state.header[0].bodies.high as usize {
+        if state.bodies[slot].has(ASLEEP) {
+            wake_slot(state, slot);
+        }
+    }
+}
+
 /// Raises flags on all shapes of a body.
 pub(super) fn mark_shapes(state: &mut State<'_>, slot: usize, flags: u32) {
     let mut next = state.bodies[slot].first_shape;
@@ -555,12 +638,12 @@ pub(super) fn mark_shapes(state: &mut State<'_>, slot: usize, flags: u32) {
     }
 }
 
-/// True when the body has neither a half-space nor a mesh.
-fn only_convex(state: &State<'_>, slot: usize) -> bool {
+/// True when the body has neither a half-space nor a mesh nor a height field.
+fn has_no_surface(state: &State<'_>, slot: usize) -> bool {
     let mut next = state.bodies[slot].first_shape;
     while next != u32::MAX {
         let shape = &state.shapes[next as usize];
-        if !shape.is_convex() {
+        if shape.is_surface() {
             return false;
         }
         next = shape.next;

@@ -1,7 +1,7 @@
 //! Creating, changing and reading joints.
 
 use super::World;
-use super::bodies::mark_shapes;
+use super::bodies::{mark_shapes, wake_slot};
 use crate::arena::Line;
 use crate::body::turned_frame;
 use crate::error::Error;
@@ -135,7 +135,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if index > 5 {
             return Err(Error::OutOfRange { name: "index" });
         }
-        let state = self.state_view();
+        let mut state = self.state_view();
         let mut row = state.joints[slot];
         let before = row.signature().bound_rows() as u32;
         row.axes[index].define(axis);
@@ -144,6 +144,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         state.header[0].joint_bounds = state.header[0].joint_bounds - before + after;
         row.drop_unused();
         state.joints[slot] = row;
+        row.bodies.iter().for_each(|&body| wake_slot(&mut state, body as usize));
         Ok(())
     }
 
@@ -191,7 +192,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     }
 
     /// A joint's frames in world axes, from A's point.
-    fn joint_frames(&self, row: &JointRow) -> [Pose; 2] {
+    pub(super) fn joint_frames(&self, row: &JointRow) -> [Pose; 2] {
         let bodies = self.layout.state.bodies.of(self.state());
         let motions = self.layout.state.motions.of(self.state());
         let [a, b] = row.bodies.map(|slot| slot as usize);
@@ -228,6 +229,7 @@ fn check_bounds(state: &State<'_>, before: u32, after: u32) -> Result<(), Error>
 fn meet_again(state: &mut State<'_>, bodies: [u32; 2]) {
     for body in bodies {
         mark_shapes(state, body as usize, BOX_STALE);
+        wake_slot(state, body as usize);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Taking state from bytes of unknown origin: accepted exactly, or refused.
 
 mod joints;
+mod sleep;
 
 use super::World;
 use super::snapshot::{Section, check_content, parts};
@@ -58,6 +59,8 @@ struct Parts<'a> {
     shape_used: Rows<'a, u64>,
     pairs: Rows<'a, Pair>,
     contacts: Rows<'a, ContactRow>,
+    asleep_pairs: Rows<'a, Pair>,
+    asleep_contacts: Rows<'a, ContactRow>,
     dirt: Rows<'a, u8>,
     joints: Rows<'a, JointRow>,
     joint_generations: Rows<'a, u32>,
@@ -72,6 +75,8 @@ struct Limits<'a> {
     joints: u32,
     hulls: u32,
     meshes: u32,
+    height_fields: u32,
+    compounds: u32,
     /// The assets, by which settled contacts are checked.
     tables: AssetTables<'a>,
 }
@@ -104,6 +109,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             shape_used,
             pairs,
             contacts,
+            asleep_pairs,
+            asleep_contacts,
             _,
             dirt,
             joints,
@@ -122,6 +129,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             shape_used: Rows::new(shape_used),
             pairs: Rows::new(pairs),
             contacts: Rows::new(contacts),
+            asleep_pairs: Rows::new(asleep_pairs),
+            asleep_contacts: Rows::new(asleep_contacts),
             dirt: Rows::new(dirt),
             joints: Rows::new(joints),
             joint_generations: Rows::new(joint_generations),
@@ -135,6 +144,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             joints: self.capacities.joints,
             hulls: assets.hulls,
             meshes: assets.meshes,
+            height_fields: assets.height_fields,
+            compounds: assets.compounds,
             tables: self.asset_tables(),
         };
         parts.check(&limits)?;
@@ -160,6 +171,7 @@ impl Parts<'_> {
         self.check_lists()?;
         self.check_pairs()?;
         self.check_contacts(&limits.tables)?;
+        self.check_sleep(&limits.tables)?;
         self.check_joints(limits)
     }
 
@@ -211,6 +223,9 @@ impl Parts<'_> {
         let known = match geometry {
             Geometry::Hull(hull) => hull.0 < limits.hulls,
             Geometry::Mesh(mesh) => mesh.0 < limits.meshes,
+            Geometry::RoundedHull { hull, .. } => hull.0 < limits.hulls,
+            Geometry::HeightField(field) => field.0 < limits.height_fields,
+            Geometry::Compound(compound) => compound.0 < limits.compounds,
             _ => true,
         };
         let dynamic = self.body_is_used(row.body) && self.bodies.get(row.body).is_dynamic();
@@ -219,7 +234,7 @@ impl Parts<'_> {
             && geometry.check().is_ok()
             && bytemuck::bytes_of(&canonical) == bytemuck::bytes_of(&row)
             && self.body_is_used(row.body)
-            && (row.is_convex() || !dynamic)
+            && !(row.is_surface() && dynamic)
             && validate::vector_within("", row.pose.position, validate::EXTENT_MAX).is_ok()
             && is_rotation(row.pose.rotation)
             && validate::in_range("", row.density, 0.0, 1.0e9).is_ok()
@@ -269,8 +284,14 @@ impl Parts<'_> {
         let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
         // Shapes that are looked for again are taken out of the pairs before anything reads them.
         let renewed = (a.flags | b.flags) & BOX_STALE != 0;
+        renewed || self.can_meet(pair)
+    }
+
+    /// True when two shapes that live can make contacts at all.
+    fn can_meet(&self, pair: Pair) -> bool {
+        let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
         let dynamic = |s: &ShapeRow| self.bodies.get(s.body).is_dynamic();
-        renewed || (a.body != b.body && (dynamic(&a) || dynamic(&b)) && (a.is_convex() || b.is_convex()))
+        a.body != b.body && (dynamic(&a) || dynamic(&b)) && !(a.is_surface() && b.is_surface())
     }
 
     fn check_contacts(&self, assets: &AssetTables<'_>) -> Checked {
@@ -284,6 +305,11 @@ impl Parts<'_> {
     }
 
     fn contact_holds(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
+        usize::from(row.tag.phase()) < CELLULAR_PHASES_MAX && self.contact_is_sound(row, assets)
+    }
+
+    /// The same for a contact with or without a phase.
+    fn contact_is_sound(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
         let impulse = |x: f32| x.is_finite() && x >= 0.0 && x.to_bits() != (-0.0_f32).to_bits();
         let unused = row.tag.points().min(4)..4;
         row.pair.a < row.pair.b
@@ -292,7 +318,6 @@ impl Parts<'_> {
             && row.impulses.iter().all(|&x| impulse(x))
             && row.impulses[unused.clone()].iter().all(|&x| x == 0.0)
             && self.memory_holds(row, assets)
-            && usize::from(row.tag.phase()) < CELLULAR_PHASES_MAX
             && row.friction.is_finite()
             && row.twist.is_finite()
     }

@@ -1,7 +1,7 @@
 //! Creating, changing and reading shapes.
 
 use super::World;
-use super::bodies::mark_shapes;
+use super::bodies::{mark_shapes, wake_slot};
 use crate::arena::Line;
 use crate::body::BodyKind;
 use crate::error::Error;
@@ -17,8 +17,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space or a mesh on a
-    /// dynamic body, or a number of the definition is refused; see [`ShapeDef`].
+    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space, a mesh or a
+    /// height field on a dynamic body, or a number of the definition is refused; see [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;
@@ -29,6 +29,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             .ok_or(Error::Full { name: "shapes" })?;
         state.shapes[slot as usize] = ShapeRow::new(body_slot as u32, def);
         append(&mut state, body_slot, slot);
+        wake_slot(&mut state, body_slot);
         let handle = ShapeHandle { index: slot, generation: state.shape_generations[slot as usize] };
         self.touch_trees();
         self.update_mass(body_slot);
@@ -43,6 +44,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let slot = self.shape_slot(shape)?;
         let mut state = self.state_view();
         let body = state.shapes[slot].body as usize;
+        wake_slot(&mut state, body);
         unlink(&mut state, body, slot as u32);
         state.shapes[slot] = Zeroable::zeroed();
         pool::release(&mut state.header[0].shapes, state.shape_used, slot as u32);
@@ -117,11 +119,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         validate::pose("pose", pose)?;
         let body = self.body_of(shape)?;
         self.check_geometry(geometry, self.kind(body)?)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
         let row = &mut state.shapes[slot];
         row.set_geometry(geometry);
         row.pose = Pose::new(pose.position, pose.rotation.normalized());
         row.flags |= BOX_STALE | FRESH;
+        wake_slot(&mut state, body.index as usize);
         self.touch_trees();
         self.update_mass(body.index as usize);
         Ok(())
@@ -137,6 +140,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let state = self.state_view();
         state.shapes[slot].density = density;
         let body = state.shapes[slot].body as usize;
+        self.cache_header_mut().queried = 0;
         self.update_mass(body);
         Ok(())
     }
@@ -148,9 +152,11 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn set_material(&mut self, shape: ShapeHandle, friction: f32, restitution: f32) -> Result<(), Error> {
         let slot = self.shape_slot(shape)?;
         check_material(friction, restitution)?;
-        let state = self.state_view();
+        let mut state = self.state_view();
         let row = &mut state.shapes[slot];
         (row.friction, row.restitution) = (friction, restitution);
+        let body = row.body as usize;
+        wake_slot(&mut state, body);
         Ok(())
     }
 
@@ -164,6 +170,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         state.shapes[slot].filter = filter;
         let body = state.shapes[slot].body as usize;
         mark_shapes(&mut state, body, BOX_STALE);
+        wake_slot(&mut state, body);
         self.touch_trees();
         Ok(())
     }
@@ -174,12 +181,20 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         match geometry {
             Geometry::Hull(hull) if hull.0 >= assets.hulls => return Err(Error::Stale { what: "hull" }),
             Geometry::Mesh(mesh) if mesh.0 >= assets.meshes => return Err(Error::Stale { what: "mesh" }),
+            Geometry::RoundedHull { hull, .. } if hull.0 >= assets.hulls => {
+                return Err(Error::Stale { what: "hull" });
+            }
+            Geometry::HeightField(field) if field.0 >= assets.height_fields => {
+                return Err(Error::Stale { what: "height field" });
+            }
+            Geometry::Compound(compound) if compound.0 >= assets.compounds => {
+                return Err(Error::Stale { what: "compound" });
+            }
             _ => {}
         }
-        let concave = matches!(geometry, Geometry::HalfSpace | Geometry::Mesh(_));
-        if concave && kind == BodyKind::Dynamic {
+        if geometry.is_surface() && kind == BodyKind::Dynamic {
             return Err(Error::WrongKind {
-                needs: "half-spaces and meshes are for static and kinematic bodies",
+                needs: "half-spaces, meshes and height fields are for static and kinematic bodies",
             });
         }
         Ok(())

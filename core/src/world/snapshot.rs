@@ -49,7 +49,7 @@ impl Section {
 }
 
 /// How many sections the state has.
-pub(super) const SECTIONS: usize = 16;
+pub(super) const SECTIONS: usize = 18;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
@@ -80,6 +80,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             section!(shape_used, u64, words(shapes)),
             section!(pairs, crate::state::Pair, header.pairs as usize),
             section!(contacts, crate::state::ContactRow, header.contacts as usize),
+            section!(asleep_pairs, crate::state::Pair, header.asleep_pairs as usize),
+            section!(asleep_contacts, crate::state::ContactRow, header.asleep_contacts as usize),
             section!(ordering, crate::cells::OrderingRow, 1),
             section!(dirt, u8, bodies),
             section!(joints, crate::joint::JointRow, joints),
@@ -160,11 +162,19 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     fn layout_hash(&self) -> u64 {
         let c = &self.capacities;
         let state = [c.bodies, c.shapes, c.pairs, c.contacts, c.joints];
-        let assets = [c.hulls, c.meshes, c.mesh_vertices, c.mesh_triangles];
-        let counts = (bytemuck::bytes_of(&state), bytemuck::bytes_of(&assets));
-        self.sections().iter().fold(hash(counts.1, hash(counts.0, 0)), |sum, section| {
-            hash(&(section.size as u64).to_le_bytes(), sum)
-        })
+        let assets = [
+            c.hulls,
+            c.meshes,
+            c.mesh_vertices,
+            c.mesh_triangles,
+            c.height_fields,
+            c.height_samples,
+            c.compounds,
+            c.compound_children,
+            c.surfaces,
+        ];
+        let counts = hash(bytemuck::bytes_of(&assets), hash(bytemuck::bytes_of(&state), 0));
+        self.sections().iter().fold(counts, |sum, section| hash(&(section.size as u64).to_le_bytes(), sum))
     }
 
     /// Checks a snapshot's header and length, and gives the state header in it.
@@ -191,6 +201,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             (state.shapes.high, c.shapes),
             (state.pairs, c.pairs),
             (state.contacts, c.contacts),
+            (state.asleep_pairs, c.pairs),
+            (state.asleep_contacts, c.contacts),
             (state.joints.high, c.joints),
         ];
         if marks.iter().any(|(mark, capacity)| mark > capacity) {

@@ -1,10 +1,12 @@
-//! The command `cellstep`: runs scenes, lists and prints the built-in ones.
+//! The command `cellstep`: runs scenes, lists and prints the built-in ones, imports models.
 //!
 //! Standard output has the answer and nothing else; the progress bar, notes and errors go to standard error.
 //! A reader that closes the pipe early gets what it wanted: that is no error.
 
 #[path = "../cli/args.rs"]
 mod args;
+#[path = "../cli/import.rs"]
+mod import;
 #[path = "../cli/report.rs"]
 mod report;
 #[path = "../cli/run.rs"]
@@ -53,6 +55,7 @@ fn answer(command: &Command) -> Result<String, String> {
         }
         Command::Scenes => Ok(scenes()),
         Command::Scene(args) => Ok(run::builtin(&args.name, args.size)?.to_json()),
+        Command::Import(args) => import::import(args),
     }
 }
 

@@ -1,12 +1,14 @@
 //! What the command line may say.
 
 use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
   cellstep run pyramid                      the built-in pyramid of 5,050 boxes, 300 steps
   cellstep run mixed_pile --size 5000 --workers 2 --json
   cellstep scene wall --size 10 > wall.json && cellstep run wall.json
+  cellstep import model.xml -o model.json
 
 Exit codes: 0 done, 2 wrong usage or a wrong scene.";
 
@@ -28,6 +30,8 @@ pub enum Command {
     Scenes,
     /// Prints a built-in scene as a JSON document.
     Scene(SceneArgs),
+    /// Turns a model in MJCF, MuJoCo's XML format, into a scene document.
+    Import(ImportArgs),
 }
 
 const RUN_HELP: &str = "\
@@ -44,7 +48,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = RUN_HELP)]
 pub struct RunArgs {
-    /// A scene file (JSON, see SCENES.md) or the name of a built-in scene.
+    /// A scene file (JSON, see SCENES.md), a model (MJCF, `.xml`), or the name of a built-in scene.
     pub scene: String,
     /// Number of steps.
     #[arg(long, default_value_t = 300, value_name = "N")]
@@ -77,4 +81,24 @@ pub struct SceneArgs {
     /// Its size [default: the scene's own].
     #[arg(long, value_name = "N")]
     pub size: Option<u32>,
+}
+
+const IMPORT_HELP: &str = "\
+What the model says and a scene does not have is told on standard error: a warning for each kind of element or
+attribute that changes how bodies move, notes for the others. Files that the model names must lie below its
+folder.
+
+Examples:
+  cellstep import model.xml -o model.json
+  cellstep import model.xml | jq .bodies";
+
+/// Arguments of `import`.
+#[derive(Args, Debug)]
+#[command(after_help = IMPORT_HELP)]
+pub struct ImportArgs {
+    /// The model's file.
+    pub file: PathBuf,
+    /// Where the scene goes [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }

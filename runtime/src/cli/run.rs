@@ -1,6 +1,7 @@
 //! `cellstep run`: from arguments to a report.
 
 use crate::args::RunArgs;
+use crate::import;
 use crate::report::{Report, StageMs};
 use cellstep::executor::Stage;
 use cellstep::scene::builtin::{BUILTIN, Builtin};
@@ -90,6 +91,10 @@ fn build(args: &RunArgs) -> Result<Build, String> {
     }
     if args.size.is_some() {
         return Err("--size is for built-in scenes: a scene file has its own".to_string());
+    }
+    if import::is_model(file) {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        return import::scene(file)?.build(folder).map_err(|error| format!("{}: {error}", file.display()));
     }
     scene::load(file, &Limits::default()).map_err(|error| error.to_string())
 }

@@ -7,10 +7,12 @@ use super::format::*;
 use super::place::Place;
 use super::{Limits, obj, rotation};
 use crate::{Memory, new_world};
+use cellstep_core::collide::height_field::HOLE;
 use cellstep_core::math::{Pose, Rotation, Vec3};
 use cellstep_core::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Error, Filter, Geometry, HullHandle, Line,
-    MassProperties, MeshHandle, Position, ShapeDef, World,
+    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, CompoundChild, CompoundHandle, Error, Filter,
+    Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, Line, MassProperties, MeshHandle, Position,
+    ShapeDef, Surface, World,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -54,6 +56,11 @@ pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacitie
         mesh_vertices: count(vertices),
         joints: 0,
         mesh_triangles: count(triangles),
+        height_fields: count(scene.height_fields.len()),
+        height_samples: count(scene.height_fields.values().map(|field| field.heights.len()).sum()),
+        compounds: count(scene.compounds.len()),
+        compound_children: count(scene.compounds.values().map(|compound| compound.children.len()).sum()),
+        surfaces: count(scene.surface_count()),
     }
 }
 
@@ -132,8 +139,12 @@ fn mesh(
     limits: &Limits,
 ) -> Result<(Soup, Notes), SceneError> {
     let (path, scale, turned) = match doc {
-        MeshDoc::Inline { vertices, triangles } => {
-            let soup = Soup { vertices: vertices.clone(), triangles: triangles.clone() };
+        MeshDoc::Inline { vertices, triangles, triangle_surfaces, .. } => {
+            let soup = Soup {
+                vertices: vertices.clone(),
+                triangles: triangles.clone(),
+                surfaces: triangle_surfaces.clone(),
+            };
             return Ok((soup, Notes::default()));
         }
         MeshDoc::Obj { path, scale, rotation } => (path, *scale, rotation),
@@ -162,6 +173,8 @@ fn mesh(
 struct Assets<'a> {
     hulls: BTreeMap<&'a str, HullHandle>,
     meshes: BTreeMap<&'a str, MeshHandle>,
+    height_fields: BTreeMap<&'a str, HeightFieldHandle>,
+    compounds: BTreeMap<&'a str, CompoundHandle>,
 }
 
 fn register<'a>(
@@ -178,12 +191,67 @@ fn register<'a>(
         hulls.insert(name.as_str(), world.add_hull(&points).map_err(|e| refused("hulls", name, e))?);
     }
     let mut meshes = BTreeMap::new();
-    for (name, soup) in scene.meshes.keys().zip(soups) {
+    for ((name, doc), soup) in scene.meshes.iter().zip(soups) {
         let vertices: Vec<Vec3> = soup.vertices.iter().copied().map(Vec3::from).collect();
-        let mesh = world.add_mesh(&vertices, &soup.triangles).map_err(|e| refused("meshes", name, e))?;
-        meshes.insert(name.as_str(), mesh);
+        let surfaces = match doc {
+            MeshDoc::Inline { surfaces, .. } => self::surfaces(surfaces, scene),
+            MeshDoc::Obj { .. } => Vec::new(),
+        };
+        let mesh = if surfaces.is_empty() {
+            world.add_mesh(&vertices, &soup.triangles)
+        } else {
+            world.add_mesh_with_surfaces(&vertices, &soup.triangles, (&soup.surfaces, &surfaces))
+        };
+        meshes.insert(name.as_str(), mesh.map_err(|e| refused("meshes", name, e))?);
     }
-    Ok(Assets { hulls, meshes })
+    let mut height_fields = BTreeMap::new();
+    for (name, doc) in &scene.height_fields {
+        let field = height_field(doc, scene, world).map_err(|e| refused("height_fields", name, e))?;
+        height_fields.insert(name.as_str(), field);
+    }
+    let mut assets = Assets { hulls, meshes, height_fields, compounds: BTreeMap::new() };
+    for (name, doc) in &scene.compounds {
+        let child = |child: &ChildDoc| CompoundChild {
+            geometry: geometry(&child.geometry, &assets),
+            pose: Pose::new(Vec3::from(child.position), checked(&child.rotation)),
+        };
+        let children: Vec<CompoundChild> = doc.children.iter().map(child).collect();
+        let compound = world.add_compound(&children).map_err(|e| refused("compounds", name, e))?;
+        assets.compounds.insert(name.as_str(), compound);
+    }
+    Ok(assets)
+}
+
+/// Surfaces by the names of their materials, which were checked.
+fn surfaces(names: &[String], scene: &Scene) -> Vec<Surface> {
+    let surface = |name: &String| {
+        let material = &scene.materials[name];
+        Surface { friction: material.friction, restitution: material.restitution }
+    };
+    names.iter().map(surface).collect()
+}
+
+fn height_field(
+    doc: &HeightFieldDoc,
+    scene: &Scene,
+    world: &mut World<Memory>,
+) -> Result<HeightFieldHandle, Error> {
+    let surfaces = surfaces(&doc.surfaces, scene);
+    let mut cells = doc.cell_surfaces.clone();
+    if !doc.holes.is_empty() {
+        cells.resize((doc.columns as usize - 1) * (doc.rows as usize - 1), 0);
+    }
+    for &[column, row] in &doc.holes {
+        cells[row as usize * (doc.columns as usize - 1) + column as usize] = HOLE;
+    }
+    world.add_height_field(&HeightFieldDef {
+        columns: doc.columns,
+        rows: doc.rows,
+        spacing: doc.spacing,
+        heights: &doc.heights,
+        cells: &cells,
+        surfaces: &surfaces,
+    })
 }
 
 fn bodies(
@@ -230,6 +298,7 @@ fn body_def(doc: &BodyDoc) -> BodyDef {
         linear_damping: doc.linear_damping,
         angular_damping: doc.angular_damping,
         gravity_scale: doc.gravity_scale,
+        can_sleep: doc.can_sleep,
         locks: locks.fold(AxisLocks::NONE, AxisLocks::and),
         mass: doc.mass.as_ref().map(|mass| MassProperties {
             mass: mass.mass,
@@ -242,17 +311,7 @@ fn body_def(doc: &BodyDoc) -> BodyDef {
 }
 
 fn shape_def(doc: &ShapeDoc, scene: &Scene, assets: &Assets<'_>) -> ShapeDef {
-    // Names were checked: each is in its table.
-    let geometry = match &doc.geometry {
-        GeometryDoc::Sphere { radius } => Geometry::Sphere { radius: *radius },
-        GeometryDoc::Capsule { half_height, radius } => {
-            Geometry::Capsule { half_height: *half_height, radius: *radius }
-        }
-        GeometryDoc::Box { half_extents } => Geometry::Box { half_extents: Vec3::from(*half_extents) },
-        GeometryDoc::Hull(name) => Geometry::Hull(assets.hulls[name.as_str()]),
-        GeometryDoc::HalfSpace => Geometry::HalfSpace,
-        GeometryDoc::Mesh(name) => Geometry::Mesh(assets.meshes[name.as_str()]),
-    };
+    let geometry = geometry(&doc.geometry, assets);
     let material =
         doc.material.as_ref().map_or_else(MaterialDoc::default, |name| scene.materials[name].clone());
     ShapeDef {
@@ -263,6 +322,31 @@ fn shape_def(doc: &ShapeDoc, scene: &Scene, assets: &Assets<'_>) -> ShapeDef {
         restitution: material.restitution,
         filter: Filter { category: doc.filter.category, mask: doc.filter.mask, group: doc.filter.group },
         user: doc.user,
+    }
+}
+
+/// The geometry of a document whose names were checked: each is in its table.
+fn geometry(doc: &GeometryDoc, assets: &Assets<'_>) -> Geometry {
+    match doc {
+        GeometryDoc::Sphere { radius } => Geometry::Sphere { radius: *radius },
+        GeometryDoc::Capsule { half_height, radius } => {
+            Geometry::Capsule { half_height: *half_height, radius: *radius }
+        }
+        GeometryDoc::Box { half_extents } => Geometry::Box { half_extents: Vec3::from(*half_extents) },
+        GeometryDoc::Hull(name) => Geometry::Hull(assets.hulls[name.as_str()]),
+        GeometryDoc::HalfSpace => Geometry::HalfSpace,
+        GeometryDoc::Mesh(name) => Geometry::Mesh(assets.meshes[name.as_str()]),
+        GeometryDoc::Cylinder { half_height, radius } => {
+            Geometry::Cylinder { half_height: *half_height, radius: *radius }
+        }
+        GeometryDoc::Cone { half_height, radius } => {
+            Geometry::Cone { half_height: *half_height, radius: *radius }
+        }
+        GeometryDoc::RoundedHull { hull, radius } => {
+            Geometry::RoundedHull { hull: assets.hulls[hull.as_str()], radius: *radius }
+        }
+        GeometryDoc::HeightField(name) => Geometry::HeightField(assets.height_fields[name.as_str()]),
+        GeometryDoc::Compound(name) => Geometry::Compound(assets.compounds[name.as_str()]),
     }
 }
 

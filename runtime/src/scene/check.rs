@@ -1,6 +1,8 @@
 //! The rules that a document obeys beyond its form: names exist, numbers are in their ranges, the whole stays
 //! within the limits. Needs no file and takes no memory beside error messages.
 
+mod assets;
+
 use super::error::{Problem, SceneError};
 use super::format::*;
 use super::place::Place;
@@ -50,8 +52,9 @@ pub(super) fn check(scene: &Scene, limits: &Limits) -> Checked {
     }
     let meshes = root.key("meshes");
     for (name, mesh) in &scene.meshes {
-        self::mesh(meshes.key(name), mesh)?;
+        self::mesh(meshes.key(name), mesh, scene)?;
     }
+    self::assets::check(scene)?;
     let bodies = root.key("bodies");
     for (index, body) in scene.bodies.iter().enumerate() {
         self::body(bodies.index(index), body, scene)?;
@@ -98,6 +101,8 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
         ("contact_damping_ratio", doc.contact_damping_ratio, 1.0e3),
         ("push_speed", doc.push_speed, 1.0e4),
         ("restitution_threshold", doc.restitution_threshold, 1.0e4),
+        ("sleep_time", doc.sleep_time, 3600.0),
+        ("sleep_speed", doc.sleep_speed, 1.0e4),
     ];
     for (name, value, high) in numbers {
         value.map_or(Ok(()), |x| range(place.key(name), x, 0.0, high))?;
@@ -137,7 +142,7 @@ fn hull(place: Place<'_>, hull: &HullDoc) -> Checked {
         .try_for_each(|(index, point)| vector(points.index(index), point, LENGTH_MAX))
 }
 
-fn mesh(place: Place<'_>, mesh: &MeshDoc) -> Checked {
+fn mesh(place: Place<'_>, mesh: &MeshDoc, scene: &Scene) -> Checked {
     match mesh {
         MeshDoc::Obj { path, scale, rotation } => {
             let place = place.key("obj");
@@ -151,8 +156,10 @@ fn mesh(place: Place<'_>, mesh: &MeshDoc) -> Checked {
             range(place.key("scale"), *scale, 1.0e-6, 1.0e6)?;
             turned(place.key("rotation"), rotation)
         }
-        MeshDoc::Inline { vertices, triangles } => {
+        MeshDoc::Inline { vertices, triangles, surfaces, triangle_surfaces } => {
             let place = place.key("inline");
+            let given = (surfaces.as_slice(), triangle_surfaces.as_slice());
+            assets::surfaces(place, "triangle_surfaces", (given, triangles.len()), scene)?;
             let corners = place.key("vertices");
             for (index, vertex) in vertices.iter().enumerate() {
                 vector(corners.index(index), vertex, LENGTH_MAX)?;
@@ -226,7 +233,16 @@ fn mass(place: Place<'_>, mass: &MassDoc) -> Checked {
 
 fn shape(place: Place<'_>, shape: &ShapeDoc, kind: KindDoc, scene: &Scene) -> Checked {
     let geometry = place.key("geometry");
-    match &shape.geometry {
+    self::geometry(geometry, &shape.geometry, kind, scene)?;
+    if let Some(name) = &shape.material {
+        named(place.key("material"), "material", name, &scene.materials)?;
+    }
+    vector(place.key("position"), &shape.position, LENGTH_MAX)?;
+    turned(place.key("rotation"), &shape.rotation)
+}
+
+fn geometry(geometry: Place<'_>, doc: &GeometryDoc, kind: KindDoc, scene: &Scene) -> Checked {
+    match doc {
         GeometryDoc::Sphere { radius } => length(geometry.key("sphere").key("radius"), *radius)?,
         GeometryDoc::Capsule { half_height, radius } => {
             let capsule = geometry.key("capsule");
@@ -244,12 +260,30 @@ fn shape(place: Place<'_>, shape: &ShapeDoc, kind: KindDoc, scene: &Scene) -> Ch
             named(geometry.key("mesh"), "mesh", name, &scene.meshes)?;
             immovable(geometry, kind)?;
         }
+        GeometryDoc::Cylinder { half_height, radius } => {
+            let cylinder = geometry.key("cylinder");
+            length(cylinder.key("half_height"), *half_height)?;
+            length(cylinder.key("radius"), *radius)?;
+        }
+        GeometryDoc::Cone { half_height, radius } => {
+            let cone = geometry.key("cone");
+            length(cone.key("half_height"), *half_height)?;
+            length(cone.key("radius"), *radius)?;
+        }
+        GeometryDoc::RoundedHull { hull, radius } => {
+            let rounded = geometry.key("rounded_hull");
+            named(rounded.key("hull"), "hull", hull, &scene.hulls)?;
+            length(rounded.key("radius"), *radius)?;
+        }
+        GeometryDoc::HeightField(name) => {
+            named(geometry.key("height_field"), "height field", name, &scene.height_fields)?;
+            immovable(geometry, kind)?;
+        }
+        GeometryDoc::Compound(name) => {
+            named(geometry.key("compound"), "compound", name, &scene.compounds)?;
+        }
     }
-    if let Some(name) = &shape.material {
-        named(place.key("material"), "material", name, &scene.materials)?;
-    }
-    vector(place.key("position"), &shape.position, LENGTH_MAX)?;
-    turned(place.key("rotation"), &shape.rotation)
+    Ok(())
 }
 
 fn immovable(place: Place<'_>, kind: KindDoc) -> Checked {
@@ -257,7 +291,11 @@ fn immovable(place: Place<'_>, kind: KindDoc) -> Checked {
         return Ok(());
     }
     let expected = "a body of kind \"static\" or \"kinematic\"";
-    Err(SceneError::invalid(place, "found a half-space or a mesh on a dynamic body", expected))
+    Err(SceneError::invalid(
+        place,
+        "found a half-space, a mesh or a height field on a dynamic body",
+        expected,
+    ))
 }
 
 fn named<T>(place: Place<'_>, what: &str, name: &str, table: &BTreeMap<String, T>) -> Checked {
@@ -276,7 +314,7 @@ fn named<T>(place: Place<'_>, what: &str, name: &str, table: &BTreeMap<String, T
 }
 
 fn plural(what: &str) -> String {
-    if what == "mesh" { "meshes".to_string() } else { format!("{what}s") }
+    if what == "mesh" { "meshes".to_string() } else { format!("{}s", what.replace(' ', "_")) }
 }
 
 fn length(place: Place<'_>, x: f32) -> Checked {

@@ -50,6 +50,8 @@ pub struct Soup {
     pub vertices: Vec<[f32; 3]>,
     /// Indices of corners.
     pub triangles: Vec<[u32; 3]>,
+    /// Index of each triangle's surface; empty when they have none.
+    pub surfaces: Vec<u8>,
 }
 
 /// Least height of a triangle as a share of its longest edge: twice what the engine asks, so that rounding
@@ -64,12 +66,14 @@ pub(super) fn clean(soup: Soup, notes: &mut Notes) -> Soup {
     let (same, merged) = merge(&soup.vertices);
     notes.merged_vertices += merged;
     let mut kept: Vec<[u32; 3]> = Vec::with_capacity(soup.triangles.len());
-    for triangle in soup.triangles {
+    let mut surfaces = Vec::with_capacity(soup.surfaces.len());
+    for (index, triangle) in soup.triangles.into_iter().enumerate() {
         let triangle = triangle.map(|vertex| same[vertex as usize]);
         if is_empty(triangle.map(|vertex| soup.vertices[vertex as usize])) {
             notes.empty_triangles += 1;
         } else {
             kept.push(triangle);
+            surfaces.extend(soup.surfaces.get(index));
         }
     }
     let repeated = repeats(&kept);
@@ -79,7 +83,12 @@ pub(super) fn clean(soup: Soup, notes: &mut Notes) -> Soup {
         index += 1;
         !repeated[index - 1]
     });
-    compact(&soup.vertices, kept)
+    let mut index = 0;
+    surfaces.retain(|_| {
+        index += 1;
+        !repeated[index - 1]
+    });
+    Soup { surfaces, ..compact(&soup.vertices, kept) }
 }
 
 /// For each vertex the first at the same place, and how many are not the first.
@@ -139,7 +148,7 @@ fn compact(vertices: &[[f32; 3]], mut triangles: Vec<[u32; 3]>) -> Soup {
     for vertex in triangles.iter_mut().flatten() {
         *vertex = renamed[*vertex as usize];
     }
-    Soup { vertices: kept, triangles }
+    Soup { vertices: kept, triangles, surfaces: Vec::new() }
 }
 
 #[cfg(test)]
@@ -159,11 +168,13 @@ mod tests {
                 [2.0, 0.0, 0.0],
             ],
             triangles: vec![[1, 2, 3], [3, 2, 4], [2, 5, 3], [1, 2, 6], [1, 4, 2], [3, 1, 2]],
+            surfaces: vec![4, 0, 2, 0, 0, 1],
         };
         let mut notes = Notes::default();
         let soup = clean(soup, &mut notes);
         assert_eq!(soup.vertices, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]);
         assert_eq!(soup.triangles, [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(soup.surfaces, [4, 2]);
         let expected =
             Notes { empty_triangles: 2, repeated_triangles: 2, merged_vertices: 1, ..Notes::default() };
         assert_eq!(notes, expected);

@@ -8,7 +8,10 @@
 //! lose the line of a mistake; assets are named once and referred to by name, so a thousand rocks cost one
 //! hull; unknown fields are refused, so a misspelled field is an error and not a default.
 
+mod assets;
+
 use super::bounded::{bounded, unique};
+pub use assets::{CHILDREN_MAX, ChildDoc, CompoundDoc, HeightFieldDoc, SURFACES_MAX};
 use cellstep_core::config::{ContactModel, Settings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -17,7 +20,7 @@ use std::collections::BTreeMap;
 pub const BODIES_MAX: usize = 1 << 18;
 /// Most shapes of one body.
 pub const SHAPES_PER_BODY_MAX: usize = 1 << 10;
-/// Most entries of each table of named things (materials, hulls, meshes).
+/// Most entries of each table of named things (materials, hulls, meshes, height fields, compounds).
 pub const NAMES_MAX: usize = 1 << 14;
 /// Most points given for one hull.
 pub const HULL_POINTS_MAX: usize = 1 << 12;
@@ -59,6 +62,12 @@ pub struct Scene {
     /// Triangle meshes, by name. They are registered in the order of their names.
     #[serde(default, deserialize_with = "unique", skip_serializing_if = "BTreeMap::is_empty")]
     pub meshes: BTreeMap<String, MeshDoc>,
+    /// Height fields, by name. They are registered in the order of their names.
+    #[serde(default, deserialize_with = "unique", skip_serializing_if = "BTreeMap::is_empty")]
+    pub height_fields: BTreeMap<String, HeightFieldDoc>,
+    /// Compounds, by name. They are registered in the order of their names.
+    #[serde(default, deserialize_with = "unique", skip_serializing_if = "BTreeMap::is_empty")]
+    pub compounds: BTreeMap<String, CompoundDoc>,
     /// Bodies, created in this order.
     #[serde(default, deserialize_with = "bounded::<_, _, BODIES_MAX>")]
     pub bodies: Vec<BodyDoc>,
@@ -101,6 +110,12 @@ pub struct SettingsDoc {
     /// Links of a block of the cellular ordering.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block_links: Option<u32>,
+    /// Seconds of rest until an island falls asleep; 0 for never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sleep_time: Option<f32>,
+    /// Slower bodies are at rest, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sleep_speed: Option<f32>,
 }
 
 /// How a contact removes overlap.
@@ -197,7 +212,28 @@ pub enum MeshDoc {
         /// Indices of corners, from 0.
         #[serde(deserialize_with = "bounded::<_, _, MESH_PARTS_MAX>")]
         triangles: Vec<[u32; 3]>,
+        /// Names of materials that triangles have in the place of the shape's.
+        #[serde(
+            default,
+            deserialize_with = "bounded::<_, _, SURFACES_MAX>",
+            skip_serializing_if = "Vec::is_empty"
+        )]
+        surfaces: Vec<String>,
+        /// For each triangle an index into `surfaces`; empty when there are none.
+        #[serde(
+            default,
+            deserialize_with = "bounded::<_, _, MESH_PARTS_MAX>",
+            skip_serializing_if = "Vec::is_empty"
+        )]
+        triangle_surfaces: Vec<u8>,
     },
+}
+
+impl MeshDoc {
+    /// Vertices and triangles in the scene itself, all with the material of their shape.
+    pub fn inline(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self::Inline { vertices, triangles, surfaces: Vec::new(), triangle_surfaces: Vec::new() }
+    }
 }
 
 /// How a body moves.
@@ -292,6 +328,9 @@ pub struct BodyDoc {
     /// Mass in place of what the shapes and their densities give.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<MassDoc>,
+    /// Whether it may fall asleep.
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
+    pub can_sleep: bool,
     /// The game's own number.
     #[serde(default, skip_serializing_if = "is_default")]
     pub user: u64,
@@ -313,6 +352,7 @@ impl Default for BodyDoc {
             gravity_scale: 1.0,
             locks: Vec::new(),
             mass: None,
+            can_sleep: true,
             user: 0,
             shapes: Vec::new(),
         }
@@ -403,6 +443,31 @@ pub enum GeometryDoc {
     HalfSpace,
     /// A mesh of the scene, by name. Not on dynamic bodies.
     Mesh(String),
+    /// Cylinder around the z axis.
+    Cylinder {
+        /// Half the height, metres, greater than 0.
+        half_height: f32,
+        /// Metres, greater than 0.
+        radius: f32,
+    },
+    /// Cone around the z axis, apex up.
+    Cone {
+        /// Half the height, metres, greater than 0.
+        half_height: f32,
+        /// Of the base, metres, greater than 0.
+        radius: f32,
+    },
+    /// All points within `radius` of a hull.
+    RoundedHull {
+        /// A hull of the scene, by name.
+        hull: String,
+        /// Metres, greater than 0.
+        radius: f32,
+    },
+    /// A height field of the scene, by name. Not on dynamic bodies.
+    HeightField(String),
+    /// A compound of the scene, by name.
+    Compound(String),
 }
 
 /// Which shapes collide: when each one's category is in the other's mask; shapes of one group other than 0
@@ -438,6 +503,8 @@ impl Default for Scene {
             materials: BTreeMap::new(),
             hulls: BTreeMap::new(),
             meshes: BTreeMap::new(),
+            height_fields: BTreeMap::new(),
+            compounds: BTreeMap::new(),
             bodies: Vec::new(),
         }
     }
@@ -447,6 +514,16 @@ impl Scene {
     /// Number of shapes of all bodies.
     pub fn shape_count(&self) -> usize {
         self.bodies.iter().map(|body| body.shapes.len()).sum()
+    }
+
+    /// Number of surfaces of all meshes and height fields.
+    pub fn surface_count(&self) -> usize {
+        let of_mesh = |mesh: &MeshDoc| match mesh {
+            MeshDoc::Inline { surfaces, .. } => surfaces.len(),
+            MeshDoc::Obj { .. } => 0,
+        };
+        let of_meshes: usize = self.meshes.values().map(of_mesh).sum();
+        of_meshes + self.height_fields.values().map(|field| field.surfaces.len()).sum::<usize>()
     }
 }
 
@@ -464,6 +541,8 @@ impl SettingsDoc {
         set(&mut settings.push_speed, self.push_speed);
         set(&mut settings.restitution_threshold, self.restitution_threshold);
         set(&mut settings.block_links, self.block_links);
+        set(&mut settings.sleep_time, self.sleep_time);
+        set(&mut settings.sleep_speed, self.sleep_speed);
     }
 }
 
@@ -471,6 +550,15 @@ fn set<T>(field: &mut T, value: Option<T>) {
     if let Some(value) = value {
         *field = value;
     }
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_true(x: &bool) -> bool {
+    *x
 }
 
 fn version_default() -> u32 {

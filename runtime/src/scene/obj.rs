@@ -34,7 +34,7 @@ pub(super) fn check_path(path: &str) -> Result<(), String> {
 /// Reads the OBJ file at `file`, of at most `bytes_max` bytes, into polygons cut into triangles.
 ///
 /// Errors name the file, and the line where there is one.
-pub(super) fn read(file: &Path, bytes_max: u64) -> Result<(Soup, Notes), SceneError> {
+pub(crate) fn read(file: &Path, bytes_max: u64) -> Result<(Soup, Notes), SceneError> {
     let fail = |line: Option<usize>, problem| SceneError {
         file: Some(file.to_path_buf()),
         at: line.map(|line| (line, 1)),
@@ -46,7 +46,7 @@ pub(super) fn read(file: &Path, bytes_max: u64) -> Result<(Soup, Notes), SceneEr
 }
 
 /// The bytes of an ordinary file of at most `bytes_max` bytes.
-pub(super) fn read_file(file: &Path, bytes_max: u64) -> Result<Vec<u8>, Problem> {
+pub(crate) fn read_file(file: &Path, bytes_max: u64) -> Result<Vec<u8>, Problem> {
     let meta = std::fs::metadata(file).map_err(Problem::Read)?;
     if !meta.is_file() {
         let message = "not an ordinary file";

@@ -233,7 +233,7 @@ fn face_contacts(
     clip::candidates(from, &plane, &naming, distance, &mut near);
     let points = clip::reduce_face(&near, normal);
     let normal = if side == Reference::A { normal } else { -normal };
-    if points.is_empty() { None } else { Some(Manifold { child: 0, normal, points }) }
+    if points.is_empty() { None } else { Some(Manifold { child: 0, normal, points, surface: 0 }) }
 }
 
 /// The face of the other box that looks most against `normal`.

@@ -115,7 +115,7 @@ fn pair(n: Vec3, points: [ManifoldPoint; 2], (radius, distance): (f32, f32)) -> 
             let _ = kept.push(point);
         }
     }
-    if kept.is_empty() { None } else { Some(Manifold { child: 0, normal: n, points: kept }) }
+    if kept.is_empty() { None } else { Some(Manifold { child: 0, normal: n, points: kept, surface: 0 }) }
 }
 
 /// Contact of a capsule (A) with a ball around `center`.

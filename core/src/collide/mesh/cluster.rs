@@ -9,6 +9,7 @@ use crate::collide::clip::reduce;
 use crate::collide::triangle::{Convex, deepest};
 use crate::collide::{MANIFOLDS_MAX, Manifold, ManifoldPoint, Manifolds, POINTS_MAX};
 use crate::math::{Vec3, any_perpendicular, min};
+use core::cmp::Ordering;
 
 /// Clusters at work: more than come out, so that one that turns out deep is seldom lost.
 const CLUSTERS: usize = 2 * MANIFOLDS_MAX;
@@ -23,8 +24,13 @@ const APART: f32 = 0.7;
 const BULGE: f32 = 0.05;
 const HALF_SQRT_2: f32 = core::f32::consts::FRAC_1_SQRT_2;
 
+/// The same for the parts of a compound: 2.6 degrees. Triangles share normals, round parts have their own.
+const AGREE_PARTS: f32 = 0.999;
+/// Points of parts nearer than this are one, as a fraction of the size.
+const ONE_POINT_OF_PARTS: f32 = 1.0e-3;
+
 /// Manifolds in the making, in the frame of the convex shape's origin.
-pub(super) struct Clusters {
+pub(in crate::collide) struct Clusters {
     clusters: heapless::Vec<Cluster, CLUSTERS>,
     measure: Measure,
 }
@@ -39,12 +45,18 @@ struct Measure {
     one_point: f32,
     /// Heights that count as equal, metres.
     tolerance: f32,
+    /// Cosine from which two normals agree.
+    agree: f32,
+    /// True when one surface can lie behind another.
+    hides: bool,
 }
 
 /// Contacts of triangles whose normals agree.
 struct Cluster {
     /// Least triangle.
     child: u32,
+    /// Surface of the triangle that has the deepest point.
+    surface: u32,
     /// Normal of the deepest point.
     normal: Vec3,
     deepest: ManifoldPoint,
@@ -61,19 +73,36 @@ impl Clusters {
             bulge: BULGE / b.size(),
             one_point: b.one_point(),
             tolerance: b.tolerance(),
+            agree: AGREE,
+            hides: true,
         };
         Self { clusters: heapless::Vec::new(), measure }
     }
 
-    /// Takes in the contacts of a triangle.
-    pub fn add(&mut self, triangle: u32, normal: Vec3, points: &[ManifoldPoint]) {
+    /// For the parts of a compound that touch something of this middle and size (metres).
+    pub fn of_parts(center: Vec3, size: f32) -> Self {
+        let one_point = ONE_POINT_OF_PARTS * size;
+        let measure = Measure {
+            center,
+            bulge: BULGE / size,
+            one_point,
+            tolerance: one_point,
+            agree: AGREE_PARTS,
+            hides: false,
+        };
+        Self { clusters: heapless::Vec::new(), measure }
+    }
+
+    /// Takes in the contacts of a triangle of some surface; see [`Manifold::surface`].
+    pub fn add(&mut self, (triangle, surface): (u32, u32), normal: Vec3, points: &[ManifoldPoint]) {
         let Some(&first) = points.first() else { return };
-        let agrees = |cluster: &Cluster| cluster.normal.dot(normal) > AGREE;
+        let agree = self.measure.agree;
+        let agrees = |cluster: &Cluster| cluster.normal.dot(normal) > agree;
         let index = match self.clusters.iter().position(agrees) {
             Some(index) => index,
             None => {
                 let Some(index) = self.room_for(deepest(points)) else { return };
-                let cluster = Cluster::new(triangle, normal, named(triangle, first));
+                let cluster = Cluster::new((triangle, surface), normal, named(triangle, first));
                 if index < self.clusters.len() {
                     self.clusters[index] = cluster;
                 } else {
@@ -85,7 +114,7 @@ impl Clusters {
         let cluster = &mut self.clusters[index];
         cluster.child = cluster.child.min(triangle);
         for &point in points {
-            cluster.add(normal, named(triangle, point), &self.measure);
+            cluster.add((surface, normal), named(triangle, point), &self.measure);
         }
     }
 
@@ -110,39 +139,41 @@ impl Clusters {
             let hides = |other: &Cluster| {
                 other.hides(cluster, self.measure.tolerance) && !cluster.hides(other, self.measure.tolerance)
             };
-            kept[i] = !self.clusters.iter().any(hides);
+            kept[i] = !(self.measure.hides && self.clusters.iter().any(hides));
         }
         let mut index = 0;
         self.clusters.retain(|_| {
             index += 1;
             kept[index - 1]
         });
-        // A triangle is in one cluster at most, so children are distinct and both orders are total.
+        // A triangle is in one cluster at most, so that children are distinct; two triangles that have one name in
+        // a compound's contacts differ in normal. So both orders are total.
         self.clusters.sort_unstable_by(|a, b| {
-            a.deepest.separation.total_cmp(&b.deepest.separation).then(a.child.cmp(&b.child))
+            a.deepest.separation.total_cmp(&b.deepest.separation).then_with(|| a.by_child(b))
         });
         self.clusters.truncate(MANIFOLDS_MAX);
-        self.clusters.sort_unstable_by_key(|cluster| cluster.child);
+        self.clusters.sort_unstable_by(Cluster::by_child);
         for cluster in &self.clusters {
             let mut points = cluster.points(self.measure.one_point);
             for point in &mut points {
                 point.position += origin;
             }
-            let _ = out.push(Manifold { child: cluster.child, normal: cluster.normal, points });
+            let Cluster { child, normal, surface, .. } = *cluster;
+            let _ = out.push(Manifold { child, normal, points, surface });
         }
     }
 }
 
 impl Cluster {
-    fn new(child: u32, normal: Vec3, point: ManifoldPoint) -> Self {
+    fn new((child, surface): (u32, u32), normal: Vec3, point: ManifoldPoint) -> Self {
         let side = any_perpendicular(normal);
         let across = [side, normal.cross(side)];
-        Self { child, normal, deepest: point, across, farthest: [point; DIRECTIONS] }
+        Self { child, surface, normal, deepest: point, across, farthest: [point; DIRECTIONS] }
     }
 
-    fn add(&mut self, normal: Vec3, point: ManifoldPoint, measure: &Measure) {
+    fn add(&mut self, (surface, normal): (u32, Vec3), point: ManifoldPoint, measure: &Measure) {
         if point.separation < self.deepest.separation {
-            (self.deepest, self.normal) = (point, normal);
+            (self.deepest, self.normal, self.surface) = (point, normal, surface);
         }
         let reach = measure.reach(self.across, &point);
         for (i, farthest) in self.farthest.iter_mut().enumerate() {
@@ -150,6 +181,11 @@ impl Cluster {
                 *farthest = point;
             }
         }
+    }
+
+    fn by_child(&self, other: &Self) -> Ordering {
+        let normal = |i: usize| self.normal[i].total_cmp(&other.normal[i]);
+        self.child.cmp(&other.child).then_with(|| normal(0).then(normal(1)).then(normal(2)))
     }
 
     /// True when another cluster's contacts lie beneath this one's surface, no deeper than the shape has sunk into

@@ -50,9 +50,9 @@ impl Owned {
 
     fn collide(&self, b: &Solid<'_>, pose: &Pose, distance: f32) -> Manifolds {
         let tree = Tree { nodes: &self.nodes, order: &self.order };
-        let mesh = Mesh { vertices: &self.vertices, triangles: &self.triangles, tree };
+        let mesh = Mesh { vertices: &self.vertices, triangles: &self.triangles, tree, surfaces: &[] };
         let mut out = Manifolds::new();
-        super::collide(&mesh, b, pose, distance, &mut out);
+        super::collide(&Triangles::Mesh(&mesh), b, pose, distance, &mut out);
         check(&out, distance);
         out
     }
@@ -461,4 +461,98 @@ fn more_directions_than_manifolds_keep_the_deepest() {
     let ball =
         shell.collide(&Solid::Sphere { radius: 0.9 }, &Pose::new(Vec3::Z * 0.15, Rotation::IDENTITY), 0.0);
     assert!(!ball.is_empty() && ball.iter().all(|m| m.normal.z < 0.0 && m.points.len() == 1));
+}
+
+/// A height field touches where the mesh of its triangles does.
+#[test]
+fn height_fields_touch_like_the_mesh_of_their_triangles() {
+    let mut random = Random(11);
+    let heights: Vec<f32> = (0..49).map(|_| 0.6 * random.next()).collect();
+    let mut cells = [0; 36];
+    cells[14] = super::super::height_field::HOLE;
+    let field = HeightField {
+        columns: 7,
+        rows: 7,
+        spacing: [0.7, 0.5],
+        heights: &heights,
+        cells: &cells,
+        has_surfaces: false,
+        range: [0.0, 0.6],
+    };
+    assert!(super::super::height_field::validate(&field, 0).is_ok());
+    let place = |i: usize| Vec3::new((i % 7) as f32 * 0.7, (i / 7) as f32 * 0.5, heights[i]);
+    let vertices: Vec<Vec3> = (0..49).map(place).collect();
+    let cell = |c: u32| {
+        let a = c / 6 * 7 + c % 6;
+        [[a, a + 1, a + 8], [a, a + 8, a + 7]]
+    };
+    let indices: Vec<[u32; 3]> = (0..36).filter(|&c| c != 14).flat_map(cell).collect();
+    let mesh = Owned::new(vertices, &indices);
+    let solids = [
+        Solid::Sphere { radius: 0.3 },
+        Solid::Capsule { half_height: 0.3, radius: 0.2 },
+        Solid::Box { half_extents: Vec3::new(0.4, 0.3, 0.2) },
+        Solid::Cylinder { half_height: 0.3, radius: 0.3 },
+        Solid::Cone { half_height: 0.4, radius: 0.3 },
+    ];
+    let mut touched = 0;
+    for solid in &solids {
+        for _ in 0..200 {
+            let at =
+                Vec3::new(4.6 * random.next() - 0.2, 3.4 * random.next() - 0.2, 1.2 * random.next() - 0.2);
+            let pose = Pose::new(at, random.rotation());
+            let mut found = Manifolds::new();
+            collide(&Triangles::HeightField(&field), solid, &pose, 0.05, &mut found);
+            check(&found, 0.05);
+            let expected = mesh.collide(solid, &pose, 0.05);
+            // Triangles are visited in another order and have other names, which only decides among equals.
+            let deepest = |m: &Manifolds| {
+                m.iter().flat_map(|m| &m.points).fold(f32::INFINITY, |least, p| min(p.separation, least))
+            };
+            assert_eq!(found.is_empty(), expected.is_empty(), "{solid:?} {pose:?}");
+            if !found.is_empty() {
+                let (a, b) = (deepest(&found), deepest(&expected));
+                assert!((a - b).abs() < 1.0e-6, "{solid:?} {pose:?}: {found:?} {expected:?}");
+                touched += 1;
+            }
+        }
+    }
+    assert!(touched > 300, "{touched}");
+}
+
+/// Lying, standing and rolling shapes on a grid of triangles feel one plane, wherever the edges run.
+#[test]
+fn curved_shapes_on_a_grid_touch_a_plane() {
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    for i in 0..121_u32 {
+        vertices.push(Vec3::new((i % 11) as f32 * 0.37 - 1.8, (i / 11) as f32 * 0.31 - 1.5, 0.0));
+        if i % 11 < 10 && i / 11 < 10 {
+            indices.extend([[i, i + 1, i + 12], [i, i + 12, i + 11]]);
+        }
+    }
+    let mesh = Owned::new(vertices, &indices);
+    let mut random = Random(3);
+    let (h, r) = (0.4_f32, 0.25_f32);
+    let lean = atan2(r, 2.0 * h);
+    let rests = [
+        (Solid::Cylinder { half_height: h, radius: r }, h, 0.0),
+        (Solid::Cylinder { half_height: h, radius: r }, r, 0.5 * PI),
+        (Solid::Cone { half_height: h, radius: r }, h, 0.0),
+        (Solid::Cone { half_height: h, radius: r }, h * sin(lean), 0.5 * PI + lean),
+        (Solid::Cone { half_height: h, radius: r }, h, PI),
+    ];
+    for (solid, height, turn) in rests {
+        for _ in 0..200 {
+            let about = Rotation::from_axis_angle(Vec3::Z, 6.3 * random.next());
+            let own = Rotation::from_axis_angle(Vec3::Z, 6.3 * random.next());
+            let rotation = about.after(Rotation::from_axis_angle(Vec3::Y, turn)).after(own);
+            let sink = 0.01 * random.next() - 0.005;
+            let at = Vec3::new(random.next() - 0.5, random.next() - 0.5, height + sink);
+            let found = mesh.collide(&solid, &Pose::new(at, rotation), 0.02);
+            assert_eq!(found.len(), 1, "{solid:?} {at}: {found:?}");
+            assert!(length(found[0].normal - Vec3::Z) < 1.0e-5, "{solid:?} {at}: {found:?}");
+            let least = found[0].points.iter().fold(f32::INFINITY, |least, p| min(p.separation, least));
+            assert!((least - sink).abs() < 2.0e-6, "{solid:?} {at}: {found:?}");
+        }
+    }
 }

@@ -233,7 +233,7 @@ impl PartialOrd for Point {
     }
 }
 
-fn has_area(corners: [Vec3; 3]) -> bool {
+pub fn has_area(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(to_f64);
     let (ab, ac, bc) = (difference(b, a), difference(c, a), difference(c, b));
     let mut longest = 0.0;

@@ -2,7 +2,7 @@
 
 use super::{Demand, Line, Pass, Shift, Sweep, Traits, Velocities, solve_points};
 use crate::constraint::row::{LinkRow, PointRow};
-use crate::lanes::Lane;
+use crate::lanes::{Lane, LaneVec};
 
 /// Fixes the energy with which a point will leave, when it presses for the first time in this step. All points of a
 /// row see the velocity before the row's impulses, so that a box that falls flat does not start to spin.
@@ -53,5 +53,6 @@ pub(super) fn bounce<const N: usize>(
         let speed = (half_push * half_push + two * energy).sqrt() - half_push;
         point.bounce = point.bounce.greater(zero).keep(speed.finite());
     }
-    solve_points(Line::new(u, row), row, ((points, traits), shift), (row.press_mass, Demand::bouncing));
+    let line = Line::new(u, row, (LaneVec::ZERO, traits.locked));
+    solve_points(line, row, ((points, traits), shift), (row.press_mass, Demand::bouncing));
 }

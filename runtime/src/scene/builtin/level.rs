@@ -54,7 +54,7 @@ pub fn level(size: u32) -> Scene {
     mesh.hills();
     mesh.stairs();
     mesh.rim();
-    let mesh = MeshDoc::Inline { vertices: mesh.vertices, triangles: mesh.triangles };
+    let mesh = MeshDoc::inline(mesh.vertices, mesh.triangles);
     Scene {
         hulls: BTreeMap::from([(ROCK.to_string(), rock())]),
         meshes: BTreeMap::from([(NAME.to_string(), mesh)]),

@@ -136,7 +136,7 @@ fn bowl() -> MeshDoc {
             triangles.push([a, c, b]);
         }
     }
-    MeshDoc::Inline { vertices, triangles }
+    MeshDoc::inline(vertices, triangles)
 }
 
 /// One dynamic platform on the ground under `size` boxes that rest on it: every box is a neighbour of one
