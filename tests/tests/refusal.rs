@@ -309,6 +309,9 @@ const WITHOUT_NUMBERS: &[&str] = &[
     "remove_shape",
     "remove_joint",
     "set_joint_user",
+    "wake",
+    "set_can_sleep",
+    "queries",
     "set_kind",
     "set_locks",
     "set_body_user",
@@ -501,6 +504,7 @@ fn every_public_method_is_listed() {
     for entry in std::fs::read_dir(folder.join("world")).expect("core/src/world can be read") {
         files.push(entry.expect("an entry").path());
     }
+    files.retain(|file| file.is_file());
     let mut listed = BTreeSet::new();
     for file in files {
         let text = std::fs::read_to_string(&file).expect("source can be read");
