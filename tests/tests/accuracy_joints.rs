@@ -1,7 +1,7 @@
 //! Joints against closed forms: pendula, springs, linkages, chains, a heavy top, statics and what is conserved.
 
 use cellstep::joint::axis::{TURN_X, X};
-use cellstep::math::{PI, Pose, Rotation, Vec3};
+use cellstep::math::{self, PI, Pose, Rotation, Vec3};
 use cellstep::{Axis, BodyHandle, Drive, JointDef, JointHandle, MassProperties, Serial, Settings, Spring};
 use cellstep_tests::executors::Random;
 use cellstep_tests::jointed::{
@@ -31,7 +31,7 @@ fn rising(world: &mut OwnedWorld, seconds: u32, mut sample: impl FnMut(&OwnedWor
 fn pendulum(degrees: f32, is_hinge: bool) -> (OwnedWorld, BodyHandle, JointHandle) {
     let (mut world, base) = jointed(1, 1, 4);
     let angle = degrees.to_radians();
-    let bar = Bar::new(&mut world, Vec3::ZERO, Vec3::new(angle.sin(), 0.0, -angle.cos()));
+    let bar = Bar::new(&mut world, Vec3::ZERO, Vec3::new(math::sin(angle), 0.0, -math::cos(angle)));
     let (body, frame) = bar.end(-1.0);
     let frames = [Pose::new(Vec3::ZERO, about_y()), frame];
     let def =
@@ -417,8 +417,7 @@ fn forces_and_torques_are_those_of_statics() {
     let (mut above, mut joints) = (base, Vec::new());
     for i in 0..3 {
         let body = massive(&mut world, at(Vec3::new(0.0, 0.0, -1.0 - i as f32)), ball(2.0 + i as f32, 0.2));
-        let frames =
-            [at(Vec3::new(0.0, 0.0, if i == 0 { -0.5 } else { -0.5 })), at(Vec3::new(0.0, 0.0, 0.5))];
+        let frames = [at(Vec3::new(0.0, 0.0, -0.5)), at(Vec3::new(0.0, 0.0, 0.5))];
         joints.push(world.create_joint(&JointDef::ball([above, body], frames)).expect("room"));
         above = body;
     }

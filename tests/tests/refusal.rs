@@ -5,6 +5,7 @@
 //! the call once as it is (it must succeed), and then once for each number and each of NaN, +inf and -inf.
 
 use cellstep::math::{Pose, Rotation, Vec3};
+use cellstep::{Axis as JointAxis, Drive, JointDef, JointHandle, Spring};
 use cellstep::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, CompoundChild, CompoundHandle, Error, Filter,
     Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, MassProperties, MeshHandle, Position, Serial,
@@ -65,6 +66,7 @@ impl Poison {
             angular_damping: self.number(0.1),
             gravity_scale: self.number(1.0),
             locks: AxisLocks::NONE,
+            can_sleep: true,
             mass: mass.then(|| self.mass()),
             can_sleep: true,
             user: 0,
@@ -117,6 +119,26 @@ impl Poison {
         }
     }
 
+    /// A joint in which every number is finite: bounds that may be infinite are left as they are.
+    fn joint_def(&mut self, bodies: [BodyHandle; 2]) -> JointDef {
+        let mut def = JointDef::six_axis(bodies, [self.pose(), self.pose()]);
+        let spring = Spring::Frequency { hertz: self.number(3.0), damping_ratio: self.number(0.5) };
+        let stiff = Spring::Stiffness { stiffness: self.number(30.0), damping: self.number(2.0) };
+        def.axes[0] = JointAxis {
+            limit_spring: Some(stiff),
+            drive: Some(self.drive(Some(spring))),
+            friction: self.number(0.2),
+            ..JointAxis::limited(-1.0, 1.0)
+        };
+        def.cone = Some(self.number(0.5));
+        def.spring = Some(stiff);
+        def
+    }
+
+    fn drive(&mut self, spring: Option<Spring>) -> Drive {
+        Drive { target: self.number(0.1), velocity: self.number(0.2), spring, max_force: 10.0 }
+    }
+
     fn settings(&mut self) -> Settings {
         Settings {
             dt: self.number(0.01),
@@ -146,6 +168,7 @@ struct Fixture {
     body: BodyHandle,
     kinematic: BodyHandle,
     shape: ShapeHandle,
+    joint: JointHandle,
 }
 
 impl Fixture {
@@ -156,6 +179,7 @@ impl Fixture {
             meshes: 2,
             mesh_vertices: 16,
             mesh_triangles: 16,
+            joints: 4,
             height_fields: 2,
             height_samples: 18,
             compounds: 2,
@@ -176,10 +200,15 @@ impl Fixture {
         let def = BodyDef::new(BodyKind::Kinematic, Vec3::new(0.0, 0.0, 3.0));
         let ball = ShapeDef::new(Geometry::Sphere { radius: 0.5 });
         let (kinematic, _) = worlds::add(&mut world, &def, &ball);
+        let joint = JointDef::ball(
+            [body, kinematic],
+            [Pose::IDENTITY, Pose::new(Vec3::new(0.0, 0.0, -2.5), Rotation::IDENTITY)],
+        );
+        let joint = world.create_joint(&joint).expect("room");
         if stepped {
             worlds::run(&mut world, 10);
         }
-        Self { world, body, kinematic, shape }
+        Self { world, body, kinematic, shape, joint }
     }
 }
 
@@ -246,6 +275,16 @@ const CASES: &[Case] = &[
     ("set_geometry", |f, p| f.world.set_geometry(f.shape, &p.geometry(4), &p.pose())),
     ("set_geometry", |f, p| f.world.set_geometry(f.shape, &p.geometry(5), &p.pose())),
     ("set_geometry", |f, p| f.world.set_geometry(f.shape, &p.geometry(6), &p.pose())),
+    ("create_joint", |f, p| f.world.create_joint(&p.joint_def([f.body, f.kinematic])).map(drop)),
+    ("create_joint", |f, p| {
+        let bodies = [f.body, f.kinematic];
+        f.world.create_joint(&JointDef::gear(bodies, [p.pose(), p.pose()], p.number(2.0))).map(drop)
+    }),
+    ("set_joint", |f, p| f.world.set_joint(f.joint, &p.joint_def([f.body, f.kinematic]))),
+    ("set_joint_axis", |f, p| {
+        let axis = JointAxis { drive: Some(p.drive(None)), friction: p.number(0.1), ..JointAxis::FREE };
+        f.world.set_joint_axis(f.joint, 3, &axis)
+    }),
     ("set_density", |f, p| f.world.set_density(f.shape, p.number(10.0))),
     ("set_material", |f, p| f.world.set_material(f.shape, p.number(0.1), p.number(0.2))),
 ];
@@ -269,6 +308,11 @@ const WITHOUT_NUMBERS: &[&str] = &[
     "drop_caches",
     "remove_body",
     "remove_shape",
+    "remove_joint",
+    "set_joint_user",
+    "wake",
+    "set_can_sleep",
+    "queries",
     "set_kind",
     "set_locks",
     "set_body_user",
@@ -376,7 +420,7 @@ fn stale_handles_and_wrong_kinds_are_refused() {
         let state = f.world.state().to_vec();
         for (name, call) in CASES {
             let mut none = Poison { target: usize::MAX, bad: 0.0, seen: 0 };
-            let mut stale = Fixture { world: f.world, body, kinematic: body, shape };
+            let mut stale = Fixture { world: f.world, body, kinematic: body, shape, joint: f.joint };
             let outcome = call(&mut stale, &mut none);
             f.world = stale.world;
             if matches!(*name, "create_body" | "set_settings") {
@@ -461,6 +505,7 @@ fn every_public_method_is_listed() {
     for entry in std::fs::read_dir(folder.join("world")).expect("core/src/world can be read") {
         files.push(entry.expect("an entry").path());
     }
+    files.retain(|file| file.is_file());
     let mut listed = BTreeSet::new();
     for file in files {
         let text = std::fs::read_to_string(&file).expect("source can be read");

@@ -136,8 +136,8 @@ pub(crate) struct BoundRow {
     pub greatest: Lane,
     /// 1 where the row wants the same in all sweeps: a drive, friction, a limit that gives. 0 for a hard limit.
     pub keeps: Lane,
-    /// Impulses on the rigid locks that go with an impulse of 1, and are in `ways` already: so the row leaves them as
-    /// they are.
+    /// Impulses on the rigid locks that go with an impulse of 1, and are in `ways` already: so the row leaves
+    /// them as they are.
     pub shares: [Lane; 6],
     /// 1 for a limit or a cone: the way of the points in the substep matters.
     pub limits: u32,

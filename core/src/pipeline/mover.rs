@@ -144,9 +144,9 @@ impl MoverRow {
         let nudge = if nudges { self.take_nudges(seats, substep) } else { Nudge::NONE };
         let moved = (v + nudge.linear).times(h);
         self.displacement = self.displacement + moved;
-        let before = self.frame.third();
+        let before = (nudge.any && self.tops != 0).then(|| self.frame.third());
         let turned = self.turn_by(turn, whitened.times(h), &nudge);
-        if nudge.any && self.tops != 0 {
+        if let Some(before) = before {
             self.take_back(seats, (before, nudge.momentum));
         }
         let zero = Lane::ZERO;
@@ -159,7 +159,7 @@ impl MoverRow {
     /// Turns the bodies. `whitened` is the whitened rotation vector of those that are no tops; returns that of all.
     #[inline(always)]
     fn turn_by(&mut self, turn: LaneVec, whitened: LaneVec, nudge: &Nudge) -> LaneVec {
-        let turn = turn + nudge.momentum;
+        let turn = if nudge.any { turn + nudge.momentum } else { turn };
         let mut rotation = LaneRotation::by(turn);
         if nudge.any {
             rotation = LaneRotation::by(nudge.turn).after(rotation);

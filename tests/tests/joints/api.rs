@@ -224,7 +224,7 @@ fn every_number_is_checked() {
                 _ => false,
             };
             let created = world.create_joint(&def).map(drop);
-            assert!(typed(created.clone()), "{name} as {bad}: {created:?}");
+            assert!(typed(created), "{name} as {bad}: {created:?}");
             assert_eq!(world.set_joint(joint, &def), created, "{name} as {bad}");
             for index in 0..6 {
                 if def.axes[index] != full([base, a]).axes[index] {

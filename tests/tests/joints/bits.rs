@@ -84,7 +84,7 @@ impl Play {
 
     /// What a game does between steps.
     fn change(&mut self, world: &mut OwnedWorld, step: u32) {
-        if step % 3 == 0 {
+        if step.is_multiple_of(3) {
             let body = self.bodies[self.random.below(u64::from(BODIES)) as usize];
             let push = Vec3::new(self.random.between(-50.0, 50.0), 20.0, self.random.between(0.0, 90.0));
             let _ = world.apply_impulse(body, push);
@@ -115,7 +115,7 @@ impl Play {
                 ][self.random.below(4) as usize];
                 let _ = world.set_joint_axis(joint, TURN_X, &axis);
             }
-            5 if step % 20 == 0 => {
+            5 if step.is_multiple_of(20) => {
                 let body = self.bodies[self.random.below(u64::from(BODIES)) as usize];
                 let kind =
                     [BodyKind::Static, BodyKind::Dynamic, BodyKind::Kinematic][self.random.below(3) as usize];

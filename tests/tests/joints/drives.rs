@@ -79,7 +79,7 @@ fn position_drives_reach_their_target() {
         let wrapped = (coordinate(&world, joint, TURN_X) - f64::from(target)) / (2.0 * f64::from(PI));
         judge(
             &format!("drive to {target}"),
-            std::f64::consts::TAU * (wrapped - wrapped.round()).abs(),
+            f64::from(2.0 * PI) * (wrapped - wrapped.round()).abs(),
             [1.0e-4, 1.0e-3],
         );
         assert!((way - f64::from(target)).abs() < 0.5, "it turns by {way}, not by the shortest way");
@@ -153,7 +153,7 @@ fn friction_sticks_below_and_slides_above() {
             (velocity(&world, body)[0] - speed).abs(),
             [1.0e-5, 1.0e-3],
         );
-        let expected = -f64::from(load.min(5.0_f32));
+        let expected = -f64::from(load).min(5.0);
         judge("its force", relative(force(&world, joint)[0], expected), [1.0e-4, 1.0e-3]);
     }
     // About a hinge: 0.5 N m stop 3 rad/s on 1/3 kg m2 in 2 s.

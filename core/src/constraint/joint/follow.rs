@@ -205,8 +205,8 @@ pub(crate) fn weigh(locks: &mut [LockRow], bounds: &mut [BoundRow], masses: Lane
     }
 }
 
-/// Takes from a bound what it does to rigid locks: then it finds the rate that there will be when the locks hold, and
-/// leaves them as they are. With `K z = J_locks M^-1 Jt` the row becomes `J - zt J_locks`.
+/// Takes from a bound what it does to rigid locks: then it finds the rate that there will be when the locks hold,
+/// and leaves them as they are. With `K z = J_locks M^-1 Jt` the row becomes `J - zt J_locks`.
 fn pass_locks(row: &mut BoundRow, locks: &[LockRow], masses: LaneVec) {
     let mut shares = [Lane::ZERO; 6];
     for (share, lock) in shares.iter_mut().zip(locks) {

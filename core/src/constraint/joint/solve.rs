@@ -136,8 +136,9 @@ impl Push {
     }
 }
 
-/// Gives torques on tops the share about their axes that they had, when the axes were `axes`. The mean of what was and
-/// of what is then lies across an axis if both did: otherwise every relax sweep would spin a slender body about it.
+/// Gives torques on tops the share about their axes that they had, when the axes were `axes`. The mean of what
+/// was and of what is then lies across an axis if both did: otherwise every relax sweep would spin a slender body
+/// about it.
 pub(super) fn take_along(pushes: &mut [Push], link: &JointLink, axes: (LaneVec, LaneVec)) {
     let (changed_a, changed_b) = (axes.0 - link.far_a, axes.1 - link.far_b);
     let (far_a, far_b) = (root_times(&link.root_a, link.far_a), root_times(&link.root_b, link.far_b));
