@@ -68,7 +68,6 @@ impl Poison {
             locks: AxisLocks::NONE,
             can_sleep: true,
             mass: mass.then(|| self.mass()),
-            can_sleep: true,
             user: 0,
         }
     }
