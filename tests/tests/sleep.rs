@@ -221,7 +221,7 @@ fn restless(world: &mut OwnedWorld, step: u32) {
     if step % 131 == 57 {
         let bodies: Vec<_> = world.bodies().collect();
         let body = bodies[1 + step as usize % (bodies.len() - 1)];
-        if step % 2 == 0 {
+        if step.is_multiple_of(2) {
             world.remove_body(body).expect("exists");
         } else {
             world.apply_impulse(body, Vec3::new(0.0, 900.0, 300.0)).expect("dynamic");
