@@ -191,6 +191,15 @@ impl Found<'_> {
         }
     }
 
+    /// The touch of one of the pair's manifolds.
+    fn touch_of(&self, manifold: &Manifold, settled: bool, assets: &AssetTables<'_>) -> Touch {
+        let mut touch = self.touch(settled);
+        if manifold.surface != 0 {
+            self.take_surface(manifold.surface, assets, &mut touch);
+        }
+        touch
+    }
+
     /// Replaces the material of the mesh or height field by that of one of its surfaces.
     fn take_surface(&self, name: u32, assets: &AssetTables<'_>, touch: &mut Touch) {
         let (a, b) = self.shapes;
@@ -269,7 +278,7 @@ impl Task<'_> {
             }
         } else {
             found.meeting.collide(solids, manifolds);
-            if self.goes_on(&found, first, manifolds) {
+            if self.goes_on(look, (&found, first), manifolds) {
                 return;
             }
             self.list_olds(look, (&found, first), olds);
@@ -287,7 +296,12 @@ impl Task<'_> {
 
     /// True when the pair's only contact, from `first` on, has the points of its only manifold: then its row stays
     /// as it is, and only where the points are is new.
-    fn goes_on(&mut self, found: &Found<'_>, first: usize, manifolds: &Manifolds) -> bool {
+    fn goes_on(
+        &mut self,
+        look: &Look<'_>,
+        (found, first): (&Found<'_>, usize),
+        manifolds: &Manifolds,
+    ) -> bool {
         let ([row], [manifold]) = (&self.rows[first..self.next], manifolds.as_slice()) else { return false };
         let mut features = [0; POINTS_MAX];
         for (feature, point) in features.iter_mut().zip(&manifold.points) {
@@ -300,7 +314,7 @@ impl Task<'_> {
             && row.memory == [features[0], features[1], features[2], features[3], 0];
         if same {
             self.memos[first] = meeting::memo(manifold, &found.meeting.b_in_a, found.exchanged, false);
-            self.touches[first] = found.touch(false);
+            self.touches[first] = found.touch_of(manifold, false, look.assets);
         }
         same
     }
@@ -352,10 +366,7 @@ impl Task<'_> {
         let old = olds.iter().find(|old| old.row.tag.child() == manifold.child);
         carry_over(&mut row, &features, old, olds);
         let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
-        let mut touch = found.touch(base.is_some());
-        if manifold.surface != 0 {
-            found.take_surface(manifold.surface, look.assets, &mut touch);
-        }
+        let touch = found.touch_of(manifold, base.is_some(), look.assets);
         if let Some(old) = old {
             self.rows[old.place] = row;
             self.memos[old.place] = memo;
