@@ -429,3 +429,13 @@ region! {
 pub(crate) fn principal_rotation(motion: &Motion, row: &BodyRow) -> Rotation {
     motion.rotation.after(row.axes)
 }
+
+/// Raises flags on all shapes of a body.
+pub(crate) fn mark_shapes(state: &mut State<'_>, slot: usize, flags: u32) {
+    let mut next = state.bodies[slot].first_shape;
+    while next != u32::MAX {
+        let shape = &mut state.shapes[next as usize];
+        shape.flags |= flags;
+        next = shape.next;
+    }
+}

@@ -31,7 +31,6 @@ use bytemuck::Zeroable;
 pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
 pub use height_fields::HeightFieldDef;
-pub(crate) use joints::are_joined;
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

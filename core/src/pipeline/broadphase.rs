@@ -11,13 +11,13 @@ use crate::config::SPECULATIVE_DISTANCE;
 use crate::executor::{Executor, Stage};
 use crate::lanes::Words;
 use crate::math::{Aabb, Pose, Rotation, Vec3};
+use crate::pipeline::joints::are_joined;
 use crate::pipeline::meeting::{frame_words, reach_radius};
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
 use crate::shape::{BOX_STALE, ShapeRow};
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Reach, Scratch, State};
-use crate::world::are_joined;
 
 /// Marks a slot without a shape among the marks of moved shapes.
 const GONE: u8 = 2;
@@ -274,11 +274,11 @@ fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
         && !are_joined(state, sa.body, sb.body)
 }
 
-fn key(a: u32, b: u32) -> u64 {
+pub(crate) fn key(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
-fn pair_of(key: u64) -> Pair {
+pub(crate) fn pair_of(key: u64) -> Pair {
     Pair { a: (key >> 32) as u32, b: key as u32 }
 }
 
@@ -478,24 +478,27 @@ fn merge(state: &mut State<'_>, scratch: &mut Scratch<'_>, found: usize, counts:
     if counts.dropped_pairs > 0 {
         state.header[0].pairs_stale = PAIRS_DROPPED;
     }
-    merge_sorted(state.pairs, kept, &scratch.found[..found]);
+    merge_sorted(state.pairs, kept, scratch.found[..found].iter().map(|&key| pair_of(key)), |pair| *pair);
     let count = kept + found;
     let before = old.max(count);
     state.pairs[count..before].fill(Pair { a: 0, b: 0 });
     state.header[0].pairs = count as u32;
 }
 
-/// Merges sorted keys into the first `kept` sorted pairs, from the back.
-fn merge_sorted(pairs: &mut [Pair], kept: usize, found: &[u64]) {
-    let (mut i, mut j) = (kept, found.len());
-    while j > 0 {
-        let new = pair_of(found[j - 1]);
-        if i > 0 && pairs[i - 1] > new {
-            pairs[i + j - 1] = pairs[i - 1];
+/// Merges `new` sorted rows into the first `kept` sorted ones of `rows`, from the back.
+pub(crate) fn merge_sorted<T: Copy, K: Ord>(
+    rows: &mut [T],
+    kept: usize,
+    new: impl DoubleEndedIterator<Item = T> + ExactSizeIterator,
+    key: impl Fn(&T) -> K,
+) {
+    let (mut i, mut j) = (kept, new.len());
+    for row in new.rev() {
+        while i > 0 && key(&rows[i - 1]) > key(&row) {
+            rows[i + j - 1] = rows[i - 1];
             i -= 1;
-        } else {
-            pairs[i + j - 1] = new;
-            j -= 1;
         }
+        rows[i + j - 1] = row;
+        j -= 1;
     }
 }

@@ -8,7 +8,7 @@ use crate::constraint::joint::{
 };
 use crate::executor::{Executor, Stage};
 use crate::joint::axis::{TURN_X, TURN_Z};
-use crate::joint::{AxisRow, BROKEN, JointRow, Signature};
+use crate::joint::{AxisRow, BROKEN, COLLIDES, JointRow, Signature};
 use crate::lanes::{LANES, LaneVec};
 use crate::math::{PI, Pose, Rotation, Vec3, length, min};
 use crate::pipeline::Counts;
@@ -19,7 +19,7 @@ use crate::pipeline::mover;
 use crate::pipeline::solver::{JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::BOX_STALE;
-use crate::state::{Cache, Scratch, State, principal_rotation};
+use crate::state::{Cache, Scratch, State, mark_shapes, principal_rotation};
 use bytemuck::Zeroable;
 
 /// Joints that are worth a task.
@@ -121,11 +121,11 @@ fn set_root(to: &mut [LaneVec; 2], &[xx, yy, zz, xy, xz, yz]: &[f32; 6], lane: u
 fn set_frames(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: usize) {
     let [a, b] = joint.bodies.map(|slot| slot as usize);
     let (ma, mb) = (&scene.motions[a], &scene.motions[b]);
-    let held = |axis: usize| joint.signature().held() >> axis & 1 != 0;
+    let signature = link.signature();
+    let held = |axis: usize| signature.held() >> axis & 1 != 0;
     let place = |axis: usize| if held(axis) { joint.axes[axis].lower } else { 0.0 };
-    let frames = !joint.signature().is_distance();
     let [mut local_a, mut local_b] = joint.frames;
-    if frames {
+    if !signature.is_distance() {
         local_a.position = local_a.transform(Vec3::new(place(0), place(1), place(2)));
         let turned = |q: Rotation, axis: Vec3, angle: f32| {
             if angle == 0.0 { q } else { q.after(Rotation::from_axis_angle(axis, angle)) }
@@ -392,14 +392,29 @@ fn part_broken(state: &mut State<'_>, slots: &[u32]) {
         let joint = &state.joints[slot as usize];
         if joint.has(BROKEN) {
             for body in joint.bodies {
-                let mut shape = state.bodies[body as usize].first_shape;
-                while shape != u32::MAX {
-                    state.shapes[shape as usize].flags |= BOX_STALE;
-                    shape = state.shapes[shape as usize].next;
-                }
+                mark_shapes(state, body as usize, BOX_STALE);
             }
         }
     }
+}
+
+/// True when a joint keeps the shapes of two bodies from meeting. Walks both lists at once, so that a hub costs
+/// no more than the other body.
+pub(crate) fn are_joined(state: &State<'_>, a: u32, b: u32) -> bool {
+    let first = |body: u32| state.first_joints.get(body as usize).copied().unwrap_or(0);
+    let (mut of_a, mut of_b) = (first(a), first(b));
+    let joins = |row: &JointRow| {
+        let ends = [row.bodies[0].min(row.bodies[1]), row.bodies[0].max(row.bodies[1])];
+        ends == [a.min(b), a.max(b)] && !row.has(COLLIDES | BROKEN)
+    };
+    while of_a != 0 && of_b != 0 {
+        let (row_a, row_b) = (&state.joints[of_a as usize - 1], &state.joints[of_b as usize - 1]);
+        if joins(row_a) || joins(row_b) {
+            return true;
+        }
+        (of_a, of_b) = (row_a.next_of(a), row_b.next_of(b));
+    }
+    false
 }
 
 /// Joints of a body whose kind has changed have other ends in the ordering: they are new links.

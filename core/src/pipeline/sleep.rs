@@ -19,7 +19,7 @@ use crate::cells::{IMMOVABLE, UNORDERED};
 use crate::collide::Manifolds;
 use crate::joint::BROKEN;
 use crate::math::Vec3;
-use crate::pipeline::broadphase::place_shape;
+use crate::pipeline::broadphase::{key, merge_sorted, pair_of, place_shape};
 use crate::pipeline::meeting::{Meeting, Scene};
 use crate::pipeline::ordering::Links;
 use crate::pipeline::{Counts, solid};
@@ -276,7 +276,7 @@ fn bring_pairs(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut Co
                 kept += 1;
             }
             Fate::Wakes if state.pairs[..state.header[0].pairs as usize].binary_search(&pair).is_err() => {
-                scratch.found[count] = u64::from(pair.a) << 32 | u64::from(pair.b);
+                scratch.found[count] = key(pair.a, pair.b);
                 count += 1;
             }
             _ => {}
@@ -291,16 +291,8 @@ fn bring_pairs(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut Co
         state.header[0].pairs_stale |= PAIRS_DROPPED;
     }
     let count = count.min(room);
-    merge(
-        state.pairs,
-        own,
-        count,
-        |i| {
-            let key = scratch.found[i];
-            Pair { a: (key >> 32) as u32, b: key as u32 }
-        },
-        |pair| *pair,
-    );
+    let back = scratch.found[..count].iter().map(|&key| pair_of(key));
+    merge_sorted(state.pairs, own, back, |pair| *pair);
     state.header[0].pairs = (own + count) as u32;
 }
 
@@ -330,7 +322,7 @@ fn bring_contacts(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut
     let room = state.contacts.len() - own;
     counts.dropped_contacts += count.saturating_sub(room) as u32;
     let count = count.min(room);
-    merge(state.contacts, own, count, |i| scratch.rows_before[i], ContactRow::key);
+    merge_sorted(state.contacts, own, scratch.rows_before[..count].iter().copied(), ContactRow::key);
     state.header[0].contacts = (own + count) as u32;
     // A contact without phase is one that was not there in the step before.
     let mut woken = 0;
@@ -341,27 +333,6 @@ fn bring_contacts(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut
         }
     }
     woken
-}
-
-/// Merges `count` sorted rows into the first `kept` sorted ones, from the back.
-fn merge<T: Copy, K: Ord>(
-    rows: &mut [T],
-    kept: usize,
-    count: usize,
-    new: impl Fn(usize) -> T,
-    key: impl Fn(&T) -> K,
-) {
-    let (mut i, mut j) = (kept, count);
-    while j > 0 {
-        let row = new(j - 1);
-        if i > 0 && key(&rows[i - 1]) > key(&row) {
-            rows[i + j - 1] = rows[i - 1];
-            i -= 1;
-        } else {
-            rows[i + j - 1] = row;
-            j -= 1;
-        }
-    }
 }
 
 /// Puts islands to sleep whose bodies have all been quiet for so many steps. `links` are those of the step.
@@ -454,7 +425,7 @@ fn lay_down(state: &mut State<'_>, scratch: &mut Scratch<'_>, contacts: usize) {
     for i in 0..before {
         let pair = state.pairs[i];
         if goes_along(state, scratch.marks, pair) {
-            scratch.found[count] = u64::from(pair.a) << 32 | u64::from(pair.b);
+            scratch.found[count] = key(pair.a, pair.b);
             count += 1;
         } else {
             state.pairs[kept] = pair;
@@ -464,16 +435,8 @@ fn lay_down(state: &mut State<'_>, scratch: &mut Scratch<'_>, contacts: usize) {
     state.pairs[kept..before].fill(Pair { a: 0, b: 0 });
     state.header[0].pairs = kept as u32;
     let own = state.header[0].asleep_pairs as usize;
-    merge(
-        state.asleep_pairs,
-        own,
-        count,
-        |i| {
-            let key = scratch.found[i];
-            Pair { a: (key >> 32) as u32, b: key as u32 }
-        },
-        |pair| *pair,
-    );
+    let back = scratch.found[..count].iter().map(|&key| pair_of(key));
+    merge_sorted(state.asleep_pairs, own, back, |pair| *pair);
     state.header[0].asleep_pairs = (own + count) as u32;
     let mut count = 0;
     for i in 0..contacts {
@@ -485,7 +448,7 @@ fn lay_down(state: &mut State<'_>, scratch: &mut Scratch<'_>, contacts: usize) {
         }
     }
     let own = state.header[0].asleep_contacts as usize;
-    merge(state.asleep_contacts, own, count, |i| scratch.rows_before[i], ContactRow::key);
+    merge_sorted(state.asleep_contacts, own, scratch.rows_before[..count].iter().copied(), ContactRow::key);
     state.header[0].asleep_contacts = (own + count) as u32;
     for slot in 0..state.header[0].bodies.high {
         let index = slot as usize;

@@ -15,7 +15,7 @@ use crate::math::{Rotation, Vec3, max};
 use crate::pipeline::{integration, solid};
 use crate::pool;
 use crate::shape::{BOX_STALE, FRESH};
-use crate::state::{PAIRS_REMOVED, State};
+use crate::state::{PAIRS_REMOVED, State, mark_shapes};
 use crate::validate::{self, SPEED_MAX};
 use bytemuck::Zeroable;
 
@@ -470,16 +470,6 @@ fn set_mass(state: &mut State<'_>, slot: u32, mass: &MassProperties) {
         if motion.center.sector != before {
             row.flags |= CHANGED_SECTOR;
         }
-    }
-}
-
-/// Raises flags on all shapes of a body.
-pub(super) fn mark_shapes(state: &mut State<'_>, slot: usize, flags: u32) {
-    let mut next = state.bodies[slot].first_shape;
-    while next != u32::MAX {
-        let shape = &mut state.shapes[next as usize];
-        shape.flags |= flags;
-        next = shape.next;
     }
 }
 

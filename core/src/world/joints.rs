@@ -1,7 +1,6 @@
 //! Creating, changing and reading joints.
 
 use super::World;
-use super::bodies::mark_shapes;
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::turned_frame;
@@ -12,7 +11,7 @@ use crate::math::{Pose, Vec3, length};
 use crate::pipeline::joints::turns_of;
 use crate::pool;
 use crate::shape::BOX_STALE;
-use crate::state::{JOINT_BOUNDS, State};
+use crate::state::{JOINT_BOUNDS, State, mark_shapes};
 use bytemuck::Zeroable;
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
@@ -285,23 +284,4 @@ pub(super) fn remove_joints_of(state: &mut State<'_>, body: u32) {
     while let Some(joint) = state.first_joints.get(body as usize).and_then(|first| first.checked_sub(1)) {
         remove(state, joint);
     }
-}
-
-/// True when a joint keeps the shapes of two bodies from meeting. Walks both lists at once, so that a hub costs
-/// no more than the other body.
-pub(crate) fn are_joined(state: &State<'_>, a: u32, b: u32) -> bool {
-    let first = |body: u32| state.first_joints.get(body as usize).copied().unwrap_or(0);
-    let (mut of_a, mut of_b) = (first(a), first(b));
-    let joins = |row: &JointRow| {
-        let ends = [row.bodies[0].min(row.bodies[1]), row.bodies[0].max(row.bodies[1])];
-        ends == [a.min(b), a.max(b)] && !row.has(crate::joint::COLLIDES | BROKEN)
-    };
-    while of_a != 0 && of_b != 0 {
-        let (row_a, row_b) = (&state.joints[of_a as usize - 1], &state.joints[of_b as usize - 1]);
-        if joins(row_a) || joins(row_b) {
-            return true;
-        }
-        (of_a, of_b) = (row_a.next_of(a), row_b.next_of(b));
-    }
-    false
 }

@@ -1,7 +1,6 @@
 //! Creating, changing and reading shapes.
 
 use super::World;
-use super::bodies::mark_shapes;
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::BodyKind;
@@ -10,7 +9,7 @@ use crate::handle::{BodyHandle, ShapeHandle};
 use crate::math::Pose;
 use crate::pool;
 use crate::shape::{BOX_STALE, FRESH, Filter, Geometry, ShapeDef, ShapeRow, check_material};
-use crate::state::PAIRS_REMOVED;
+use crate::state::{PAIRS_REMOVED, mark_shapes};
 use crate::validate;
 use bytemuck::Zeroable;
 

@@ -38,7 +38,7 @@ pub(crate) fn locks_of(signature: Signature) -> impl Iterator<Item = usize> {
 }
 
 /// Directions of all coordinates, and the errors of held ones.
-struct Basis {
+pub(crate) struct Basis {
     signature: Signature,
     shifts: [LaneVec; 3],
     turns: [LaneVec; 3],
@@ -165,8 +165,8 @@ impl JointLink {
     }
 }
 
-/// Writes what the rows are at the poses of the link, errors of held axes included.
-pub(crate) fn place(link: &mut JointLink, locks: &mut [LockRow], bounds: &mut [BoundRow]) {
+/// Writes what the rows are at the poses of the link, errors of held axes included. Returns their directions.
+pub(crate) fn place(link: &mut JointLink, locks: &mut [LockRow], bounds: &mut [BoundRow]) -> Basis {
     link.measure();
     let basis = Basis::of(link);
     let signature = basis.signature;
@@ -186,6 +186,7 @@ pub(crate) fn place(link: &mut JointLink, locks: &mut [LockRow], bounds: &mut [B
         };
         row.shares = [Lane::ZERO; 6];
     }
+    basis
 }
 
 /// Derives the masses of placed rows. `masses` are the inverse masses of both bodies along the axes.
@@ -284,7 +285,7 @@ pub(super) fn follow<const N: usize>(
     let measures = !bounds.is_empty() || (signature.is_distance() && N > 0);
     let old = measures.then(|| Basis::of(link));
     let [moved, turn_a, turn_b] = advance(link, seats, substep);
-    place(link, locks, bounds);
+    let new = place(link, locks, bounds);
     if signature.is_gear() {
         let (xa, xb) = (link.axes_a[0], link.axes_b[0]);
         locks[0].error = locks[0].error + xa.dot(turn_a) + link.ratio * xb.dot(turn_b);
@@ -295,7 +296,6 @@ pub(super) fn follow<const N: usize>(
         locks[0].error = locks[0].error + direction.dot(way);
     }
     if let Some(old) = old {
-        let new = Basis::of(link);
         let turned = (turn_b - turn_a).times(Lane::splat(0.5));
         let change = |axis: usize| {
             if axis < 3 {
