@@ -100,10 +100,11 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
+            active.stiffening = joints::stiffening(state, active.body, substep);
             active.linear = motion.linear;
             active.angular = motion.angular;
             (active.root, active.whitened) =
-                root_and_whitened(principal, row.inertia, locks >> 3, motion.angular);
+                root_and_whitened(principal, active.inertia(row), locks >> 3, motion.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
