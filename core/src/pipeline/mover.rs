@@ -337,7 +337,7 @@ pub(crate) fn angular_velocity(
         return integration::root_times(&active.root, whitened);
     }
     let start = Turn::of(principal_rotation(motion, row));
-    let spin = start.undo(to_f64(motion.angular));
+    let spin = start.undo(to_f64(active.angular));
     let change = start.undo(to_f64(whitened - active.whitened));
     let moments = active.inertia(row);
     let (inertia, root) = (to_f64(moments), to_f64(integration::square_roots(moments)));
