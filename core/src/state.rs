@@ -422,6 +422,7 @@ region! {
         /// For arranging joints; of no length without any.
         joint_sets: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
         joint_set_sizes: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        joint_set_loops: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
         joint_members: Member = c.joints as usize,
         joint_runs: [u32; 2] = c.joints as usize / 2,
         phases: u8 = links_max(c),

@@ -289,6 +289,39 @@ fn chains_hold() {
     }
 }
 
+/// A chain that lies level and falls with its weight: the loads on its links are many times what they weigh.
+fn swung(links: u32, bob: f32) -> (f64, f64) {
+    let (mut world, base) = jointed(links, links, 8);
+    let (mut last, mut place) = (base, Vec3::ZERO);
+    let (mut bodies, mut joints) = (Vec::new(), Vec::new());
+    for i in 0..links {
+        let mass = if i + 1 == links { ball(bob, 0.5) } else { ball(1.0, 0.3) };
+        let body = massive(&mut world, at(Vec3::new(i as f32 + 0.5, 0.0, 0.0)), mass);
+        let frames = [at(place), at(Vec3::new(-0.5, 0.0, 0.0))];
+        joints.push(world.create_joint(&JointDef::ball([last, body], frames)).expect("room"));
+        bodies.push(body);
+        (last, place) = (body, Vec3::new(0.5, 0.0, 0.0));
+    }
+    let sum = |world: &OwnedWorld| bodies.iter().map(|&body| energy(world, body, GRAVITY)).sum::<f64>();
+    let (mut widest, mut most) = (0.0_f64, sum(&world));
+    for _ in 0..600 {
+        world.step(&mut Serial);
+        widest = joints.iter().fold(widest, |widest, &joint| widest.max(gap(&world, joint)));
+        most = most.max(sum(&world));
+    }
+    (widest / f64::from(links), most / (GRAVITY * f64::from(bob) * f64::from(links)))
+}
+
+#[test]
+fn chains_swing() {
+    for (links, bob) in [(50, 1000.0), (20, 1.0e4), (20, 1.0e6)] {
+        let (gap, gain) = swung(links, bob);
+        let name = format!("{links} links that swing with {bob} kg");
+        judge(&format!("{name}, widest gap over length"), gap, [1.0e-4, 1.0e-2]);
+        judge(&format!("{name}, energy gained over that of the fall"), gain, [1.0e-6, 1.0e-3]);
+    }
+}
+
 /// A disc on a light axle whose foot stands on a ball joint, at 30 degrees, in steady precession:
 /// `I1 W^2 cos(t) - I3 w3 W + m g l = 0` with the moment I1 about the foot.
 #[test]

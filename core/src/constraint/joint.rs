@@ -16,6 +16,8 @@ mod elimination;
 mod factor;
 mod follow;
 mod solve;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use articulation::Articulation;
 pub(crate) use elimination::{

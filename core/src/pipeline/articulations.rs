@@ -20,6 +20,10 @@ use crate::pipeline::layout::{EMPTY, Group};
 use crate::pipeline::solver::{JointRows, take};
 use bytemuck::{Pod, Zeroable};
 
+/// More bodies than fit an articulation are a net when this many times the loops are more than the joints: pieces of
+/// a net take five times as long at once as one by one.
+const NET_LOOPS: u32 = 4;
+
 /// Up to eight equal articulations.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -90,9 +94,10 @@ pub(crate) struct Tables<'a> {
     pub rows: &'a mut [ArticulationRow],
     pub nodes: &'a mut [NodeSpec],
     pub blocks: &'a mut [BlockSpec],
-    /// Set of each body, by slot, and the joints of each set.
+    /// Set of each body, by slot, and the joints of each set, and how many of them close a loop or are anchors.
     pub sets: &'a mut [u32],
     pub sizes: &'a mut [u32],
+    pub loops: &'a mut [u32],
     /// Joints by set.
     pub keys: &'a mut [u64],
     /// Joints as members of their articulations, in the order of the keys.
@@ -125,32 +130,54 @@ pub(crate) fn arrange(links: &[Link], tables: &mut Tables<'_>) -> Arrangement {
 /// Gathers joints into sets of bodies; writes a key for each joint of a set, sorted by set and then rank. Returns
 /// how many they are.
 fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {
-    let Tables { sets, sizes, keys, .. } = tables;
-    for body in links.iter().flat_map(|link| [link.a, link.b]).filter(|&body| body != IMMOVABLE) {
-        (sets[body as usize], sizes[body as usize]) = (body, 0);
+    unite(links, tables, |_, _| true);
+    // What each joint's whole component is like, before the sets are made anew.
+    for (rank, link) in links.iter().enumerate() {
+        let set = root(tables.sets, ends_of(link)[0]) as usize;
+        let (joints, loops) = (tables.sizes[set], tables.loops[set]);
+        let is_net = joints as usize > JOINTS_MAX && loops * NET_LOOPS > joints;
+        tables.places[rank] = u32::from(is_net);
+    }
+    let count = unite(links, tables, |is_net, size| is_net == 0 && size <= JOINTS_MAX);
+    let Tables { sets, keys, .. } = tables;
+    for key in &mut keys[..count] {
+        *key |= u64::from(root(sets, ends_of(&links[*key as usize])[0])) << 32;
+    }
+    keys[..count].sort_unstable();
+    count
+}
+
+/// Unites the bodies of joints, unless their set would not fit; `fits` gets the place of a joint as it is in the
+/// tables, and the joints that the set would have. Writes the ranks of the joints of sets as keys; returns how many.
+fn unite(links: &[Link], tables: &mut Tables<'_>, fits: impl Fn(u32, usize) -> bool) -> usize {
+    let Tables { sets, sizes, loops, keys, places, .. } = tables;
+    for body in links.iter().flat_map(ends_of) {
+        (sets[body as usize], sizes[body as usize], loops[body as usize]) = (body, 0, 0);
     }
     let mut count = 0;
     for (rank, link) in links.iter().enumerate() {
-        let [a, b] = if link.a == IMMOVABLE { [link.b; 2] } else { [link.a, link.b] };
-        let a = root(sets, a);
-        let b = if b == IMMOVABLE { a } else { root(sets, b) };
-        let others = if a == b { 0 } else { sizes[b as usize] };
-        let size = sizes[a as usize] + others + 1;
-        if size as usize <= JOINTS_MAX {
+        let [a, b] = ends_of(link).map(|body| root(sets, body));
+        let size = sizes[a as usize] + if a == b { 0 } else { sizes[b as usize] } + 1;
+        if fits(places[rank], size as usize) {
             let (low, high) = (a.min(b), a.max(b));
+            let own = if a == b { 1 } else { loops[high as usize] };
             sets[high as usize] = low;
             sizes[low as usize] = size;
+            loops[low as usize] += own;
             keys[count] = rank as u64;
             count += 1;
         }
     }
-    for key in &mut keys[..count] {
-        let link = &links[*key as usize];
-        let body = if link.a == IMMOVABLE { link.b } else { link.a };
-        *key |= u64::from(root(sets, body)) << 32;
-    }
-    keys[..count].sort_unstable();
     count
+}
+
+/// The bodies of a joint that move; twice the same where one does not.
+fn ends_of(link: &Link) -> [u32; 2] {
+    match (link.a, link.b) {
+        (IMMOVABLE, b) => [b; 2],
+        (a, IMMOVABLE) => [a; 2],
+        (a, b) => [a, b],
+    }
 }
 
 /// The set of a body; shortens the way for the next time.

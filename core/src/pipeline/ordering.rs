@@ -328,6 +328,7 @@ fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize) -> usi
         blocks: cache.blocks,
         sets: scratch.joint_sets,
         sizes: scratch.joint_set_sizes,
+        loops: scratch.joint_set_loops,
         keys: scratch.joint_keys,
         members: scratch.joint_members,
         found: scratch.joint_runs,

@@ -12,7 +12,7 @@ use bytemuck::{Pod, Zeroable};
 
 /// A pivot below this share of what it lost its digits to is taken for rounding: eight units in the last place.
 /// Pivots that say what others say already come to 1e-9 of it, others to 1e-5 and more.
-const PIVOT_SHARE: f32 = 1.0e-6;
+const PIVOT_SHARE: f32 = 1.0e-7;
 
 /// Share of what bodies give to a row that is added to its pivot.
 const DAMPING: f32 = 1.0e-5;
