@@ -301,7 +301,7 @@ pub(crate) struct Reach {
     pub body: u32,
     /// Greatest corner.
     pub max: Vec3,
-    /// `Reach::HOME`, `Reach::DYNAMIC`.
+    /// `Reach::HOME`, `Reach::DYNAMIC`, `Reach::ASLEEP`.
     pub flags: u32,
     /// Origin of the shape's frame, from the middle of the body's sector.
     pub origin: Vec3,
@@ -314,6 +314,8 @@ impl Reach {
     pub const HOME: u32 = 1;
     /// The body is dynamic.
     pub const DYNAMIC: u32 = 2;
+    /// The body sleeps: nothing touches it in this step.
+    pub const ASLEEP: u32 = 4;
 }
 
 /// What a contact is in this step.

@@ -261,8 +261,9 @@ impl Task<'_> {
     fn meet(&mut self, look: &Look<'_>, pair: Pair, room: &mut Room) {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
-        if look.rules.ignore_any()
-            && look.rules.ignore(slots.map(|slot| look.scene.reaches[slot as usize].body))
+        if look.scene.sleeps(slots)
+            || (look.rules.ignore_any()
+                && look.rules.ignore(slots.map(|slot| look.scene.reaches[slot as usize].body)))
         {
             self.end_until(|row| row.pair == pair);
             return;

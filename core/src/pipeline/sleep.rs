@@ -7,7 +7,8 @@
 //!
 //! It wakes, as a whole and before the contacts of the step are found, when
 //! - a call changes one of its bodies, or a body that one of them touches or is joined to;
-//! - one of its shapes gets points of contact with an awake body, or with a kinematic one that moves;
+//! - one of its shapes gets points of contact with an awake body, with a kinematic one that moves, or with one that
+//!   was put there;
 //! - a joint ties it to such a body;
 //! - gravity changes.
 //!
@@ -111,24 +112,33 @@ fn is_driven(row: &BodyRow, motion: &Motion) -> bool {
     row.kind() == BodyKind::Kinematic && (motion.linear != Vec3::ZERO || motion.angular != Vec3::ZERO)
 }
 
-/// Marks bodies that get points of contact with a busy one in this step.
+/// Marks bodies that get points of contact with a busy one in this step, or with one that was put there.
 fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     let mut found = Manifolds::new();
     let rules = Rules::new(state.materials, &state.pair_rules[..state.header[0].pair_rules as usize]);
+    let lie = &state.asleep_pairs[..state.header[0].asleep_pairs as usize];
+    let lies = |pair: Pair| lie.binary_search(&pair).is_ok();
     for &pair in &state.pairs[..state.header[0].pairs as usize] {
         let body = |shape: u32| state.shapes[shape as usize].body as usize;
         let busy = |slot: usize| is_busy(&state.bodies[slot], &state.motions[slot]);
         let (a, b) = (body(pair.a), body(pair.b));
-        let (asleep, sleeper) = match (state.bodies[a].has(ASLEEP), state.bodies[b].has(ASLEEP)) {
-            (true, false) if busy(b) => (pair.a, a),
-            (false, true) if busy(a) => (pair.b, b),
-            _ => continue,
-        };
+        let sleeps = [a, b].map(|slot| state.bodies[slot].has(ASLEEP));
+        if sleeps == [false; 2] {
+            continue;
+        }
+        // Placed even where nothing wakes: the narrowphase sees by the reach that the body sleeps.
+        for (shape, _) in [pair.a, pair.b].into_iter().zip(sleeps).filter(|(_, sleeps)| *sleeps) {
+            place_shape(state, (assets, dt), (None, scratch), shape);
+        }
+        let (sleeper, other) = if sleeps[0] { (a, b) } else { (b, a) };
+        // What has rested there since it fell asleep does not wake it; what was put there does.
+        if sleeps == [true; 2] || (!busy(other) && lies(pair)) {
+            continue;
+        }
         if scratch.marks[sleeper] != 0 || rules.ignore([a as u32, b as u32]) {
             continue;
         }
-        place_shape(state, (assets, dt), (None, scratch), asleep);
         let scene = Scene {
             shapes: state.shapes,
             motions: state.motions,
