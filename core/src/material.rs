@@ -1,7 +1,7 @@
 //! What surfaces do beyond friction and restitution, and how two of them go together.
 //!
-//! Friction and restitution stand in each shape. The rest is rare: it lies in a pool of its own, where shapes of the
-//! same traits share a row, and a shape without traits has none.
+//! Friction and restitution stand in each shape. The rest is rare: it lies in a pool of its own, where shapes of
+//! the same traits share a row, and a shape without traits has none.
 
 use crate::error::Error;
 use crate::math::{Vec3, length, max, min, normalize_or, sqrt};

@@ -78,11 +78,12 @@ pub(crate) struct Plan {
     pub blocks: usize,
 }
 
-/// The kind of a contact's link, to which 4 less its points is added, and 4 when a surface of it acts; those below are signatures of joints.
+/// The kind of a contact's link, to which 4 less its points is added, and 4 when a surface of it acts; those below
+/// are signatures of joints.
 const CONTACT_KIND: u32 = 1 << 27;
 
-/// The kind of a contact with so many points: neighbours in a lane should have as many, more points first. Those whose
-/// surfaces move or resist come last.
+/// The kind of a contact with so many points: neighbours in a lane should have as many, more points first. Those
+/// whose surfaces move or resist come last.
 pub(crate) fn contact_kind(points: usize, acts: bool) -> u32 {
     CONTACT_KIND + 4 - points as u32 + 4 * u32::from(acts)
 }

@@ -119,7 +119,7 @@ impl Look<'_> {
 
     /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.
     fn extra_births(&self, pairs: &[Pair]) -> usize {
-        if self.assets.meshes.len() + self.assets.height_fields.len() + self.assets.compounds.len() == 0 {
+        if !self.assets.have_concave() {
             return 0;
         }
         let concave = |slot: u32| {

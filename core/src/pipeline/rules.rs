@@ -74,8 +74,8 @@ impl<'a> Rules<'a> {
         }
     }
 
-    /// True when two shapes that did not touch may begin to: neither is one-way, or all that was found is on the solid
-    /// side and hardly overlaps. `found` is in the frame of the first shape.
+    /// True when two shapes that did not touch may begin to: neither is one-way, or all that was found is on the
+    /// solid side and hardly overlaps. `found` is in the frame of the first shape.
     pub fn let_begin(&self, (a, b): (&ShapeRow, &ShapeRow), b_in_a: &Pose, found: &Manifolds) -> bool {
         let (ma, mb) = (a.traits(self.materials), b.traits(self.materials));
         if ma.one_way == Vec3::ZERO && mb.one_way == Vec3::ZERO {

@@ -2,8 +2,8 @@
 //!
 //! An island is a set of dynamic bodies that are joined by contacts and joints. It falls asleep at the end of a
 //! step when each of its bodies has been quiet for `Settings::sleep_time` and none of them is kept awake, or
-//! touches a kinematic body that moves, or a surface that moves on its body. Its pairs and contacts go to arrays of their own, so that the stages of a
-//! step do not see them at all; its shapes join the tree of what rests.
+//! touches a kinematic body that moves, or a surface that moves on its body. Its pairs and contacts go to arrays of
+//! their own, so that the stages of a step do not see them at all; its shapes join the tree of what rests.
 //!
 //! It wakes, as a whole and before the contacts of the step are found, when
 //! - a call changes one of its bodies, or a body that one of them touches or is joined to;
