@@ -107,8 +107,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
 
     /// Lets two bodies pass through each other until they are apart: no contacts are made between them from the
     /// next step on, up to the first step in which none of their shapes are within the distance at which contacts
-    /// are found (2 cm, and the way of the step). Where they are apart already it ends in the next step. Joints hold
-    /// as before.
+    /// are found (2 cm, and the way of the step). Where they are apart already it ends in the next step. Joints
+    /// hold as before.
     ///
     /// # Errors
     /// [`Error::Stale`]; [`Error::Full`] when there is no room in
