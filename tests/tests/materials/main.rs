@@ -7,6 +7,7 @@ mod one_way;
 mod pairs;
 mod pool;
 mod resistance;
+mod robust;
 
 use cellstep::math::Vec3;
 use cellstep::{
