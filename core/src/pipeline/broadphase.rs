@@ -266,6 +266,7 @@ pub(crate) fn boxes_overlap(state: &State<'_>, a: u32, b: u32) -> bool {
 }
 
 /// True when two shapes can make contacts at all.
+#[inline(always)]
 pub(crate) fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
     let (sa, sb) = (&state.shapes[a as usize], &state.shapes[b as usize]);
     let dynamic = |s: &ShapeRow| state.bodies[s.body as usize].is_dynamic();
