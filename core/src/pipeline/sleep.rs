@@ -395,7 +395,7 @@ fn is_carried(state: &State<'_>, touch: &Touch) -> bool {
 
 /// Unites the bodies of the step's links; bodies that a moving kinematic one touches are restless.
 fn unite_active(state: &State<'_>, scratch: &mut Scratch<'_>, links: Links, driven: bool) {
-    let count = links.contacts + links.joints;
+    let count = links.contacts + links.held();
     for (i, link) in scratch.slot_links[..count].iter().enumerate() {
         if i < links.contacts && is_carried(state, &scratch.touches[i]) {
             scratch.marks[link.a as usize] = RESTLESS;
