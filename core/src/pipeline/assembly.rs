@@ -58,6 +58,12 @@ pub(crate) struct Softnesses {
     pub immovable: Softness,
 }
 
+impl Softnesses {
+    fn new(settings: &Settings) -> Self {
+        Self { dynamic: Softness::new(settings, 1.0), immovable: Softness::new(settings, STATIC_STIFFNESS) }
+    }
+}
+
 /// How a row gives: the implicit spring of natural frequency f and damping ratio z as shares of a substep.
 #[derive(Clone, Copy)]
 pub(crate) struct Softness {
@@ -122,10 +128,7 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
-    let softness = Softnesses {
-        dynamic: Softness::new(settings, 1.0),
-        immovable: Softness::new(settings, STATIC_STIFFNESS),
-    };
+    let softness = Softnesses::new(settings);
     let scene = Scene {
         bodies: state.bodies,
         motions: state.motions,

@@ -89,7 +89,7 @@ impl Play {
 
     /// What a game does between steps. Refused calls are part of it.
     fn change(&mut self, world: &mut OwnedWorld, step: u32) {
-        if step < 60 || step > 200 {
+        if !(60..=200).contains(&step) {
             return;
         }
         match self.random.below(8) {
