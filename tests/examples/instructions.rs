@@ -1,13 +1,14 @@
 //! A scene of balls alone, for counting instructions: `.ci/instructions` runs it under callgrind.
 //!
 //! ```text
-//! cargo run --release --package cellstep-tests --example instructions [STEPS [room]]
+//! cargo run --release --package cellstep-tests --example instructions [STEPS [room] [rough]]
 //! ```
 //! 512 balls fall on a floor of balls and come to lie. With `room` the world has capacities for all that the scene
-//! does not contain: joints, assets of all kinds, materials, rules.
+//! does not contain: joints, assets of all kinds, materials, rules. `rough` balls resist rolling and spinning: what
+//! that costs where it is asked for.
 
 use cellstep::math::Vec3;
-use cellstep::{BodyDef, BodyKind, Capacities, Geometry, Serial, ShapeDef};
+use cellstep::{BodyDef, BodyKind, Capacities, Geometry, MaterialTraits, Serial, ShapeDef};
 
 /// Steps of a run without arguments.
 const STEPS: u32 = 12;
@@ -43,11 +44,15 @@ fn roomy() -> Capacities {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let steps = arguments.first().map_or(STEPS, |steps| steps.parse().expect("a number of steps"));
+    let is_rough = arguments.iter().any(|word| word == "rough");
+    let length = if is_rough { 0.005 } else { 0.0 };
+    let traits = MaterialTraits { rolling: length, spinning: length, ..MaterialTraits::default() };
     let capacities = if arguments.iter().any(|word| word == "room") { roomy() } else { plain() };
     let mut world = cellstep::new_world(capacities).expect("capacities are in range");
     let mut put = |kind: BodyKind, place: Vec3, radius: f32| {
         let body = world.create_body(&BodyDef::new(kind, place)).expect("room");
-        world.create_shape(body, &ShapeDef::new(Geometry::Sphere { radius })).expect("room");
+        let shape = ShapeDef { traits, ..ShapeDef::new(Geometry::Sphere { radius }) };
+        world.create_shape(body, &shape).expect("room");
     };
     for i in 0..FLOOR * FLOOR {
         let (x, y) = ((i % FLOOR) as f32, (i / FLOOR) as f32);
