@@ -23,6 +23,7 @@ pub(crate) mod rules;
 pub(crate) mod seat;
 pub(crate) mod sleep;
 pub(crate) mod solver;
+pub(crate) mod stiffening;
 pub(crate) mod tasks;
 
 use crate::cells::{IMMOVABLE, Scheduler};
