@@ -114,9 +114,29 @@ fn full() -> Scene {
             sleep_time: Some(0.5),
             sleep_speed: Some(0.02),
         },
-        capacities: CapacitiesDoc { bodies: Some(9), shapes: Some(99), pairs: Some(0), contacts: Some(1) },
-        materials: [("wood".to_string(), MaterialDoc { friction: 0.1, restitution: 0.2, density: 0.3 })]
-            .into(),
+        capacities: CapacitiesDoc {
+            bodies: Some(9),
+            shapes: Some(99),
+            pairs: Some(0),
+            contacts: Some(1),
+            materials: Some(3),
+            pair_rules: Some(2),
+        },
+        materials: [(
+            "wood".to_string(),
+            MaterialDoc {
+                friction: 0.1,
+                restitution: 0.2,
+                density: 0.3,
+                friction_mix: MixDoc::Max,
+                restitution_mix: MixDoc::Min,
+                rolling: 0.01,
+                spinning: 0.02,
+                surface_velocity: [1.0, 0.0, -2.0],
+                one_way: Some([0.0, 0.0, 1.0]),
+            },
+        )]
+        .into(),
         hulls: [("a.b[0]\"\\ä".to_string(), HullDoc { points })].into(),
         meshes: [("plate".to_string(), inline), ("file".to_string(), obj)].into(),
         height_fields: [("plate".to_string(), field)].into(),
@@ -208,6 +228,30 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "line 1, column 34",
         "materials.a.friction: found -1",
         "in 0.0..=1000000.0",
+    ),
+    (
+        "{\"materials\": {\"a\": {\"rolling\": 2e3}}}",
+        "line 1, column 33",
+        "materials.a.rolling: found 2000",
+        "in 0.0..=1000.0",
+    ),
+    (
+        "{\"materials\": {\"a\": {\"friction_mix\": \"least\"}}}",
+        "line 1, column 38",
+        "materials.a.friction_mix",
+        "expected one of `unset`",
+    ),
+    (
+        "{\"materials\": {\"a\": {\"surface_velocity\": [0, 1e5, 0]}}}",
+        "line 1, column 46",
+        "materials.a.surface_velocity[1]: found 100000",
+        "in -10000.0..=10000.0",
+    ),
+    (
+        "{\"materials\": {\"a\": {\"one_way\": [0, 0, 0]}}}",
+        "line 1, column 33",
+        "materials.a.one_way: found [0.0, 0.0, 0.0]",
+        "a direction of length 1e-5 at least",
     ),
     (
         "{\"hulls\": {\"h\": {\"points\": [[0,0,0]]}}}",

@@ -69,6 +69,11 @@ impl Scene<'_> {
         self.reaches[shape as usize].flags & Reach::DYNAMIC != 0
     }
 
+    /// True when one of the bodies of two shapes sleeps.
+    pub fn sleeps(&self, [a, b]: [u32; 2]) -> bool {
+        (self.reaches[a as usize].flags | self.reaches[b as usize].flags) & Reach::ASLEEP != 0
+    }
+
     fn motion(&self, shape: u32) -> &Motion {
         &self.motions[self.reaches[shape as usize].body as usize]
     }

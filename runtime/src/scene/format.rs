@@ -9,10 +9,12 @@
 //! hull; unknown fields are refused, so a misspelled field is an error and not a default.
 
 mod assets;
+mod material;
 mod settings;
 
 use super::bounded::{bounded, unique};
 pub use assets::{CHILDREN_MAX, ChildDoc, CompoundDoc, HeightFieldDoc, SURFACES_MAX};
+pub use material::{MaterialDoc, MixDoc};
 use serde::{Deserialize, Serialize};
 pub use settings::{ContactModelDoc, SettingsDoc};
 use std::collections::BTreeMap;
@@ -90,27 +92,12 @@ pub struct CapacitiesDoc {
     /// Contacts: pairs of shapes that touch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contacts: Option<u32>,
-}
-
-/// A surface and what lies under it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a material object")]
-pub struct MaterialDoc {
-    /// Coefficient of friction, not negative.
-    #[serde(default = "friction_default")]
-    pub friction: f32,
-    /// Coefficient of restitution, 0 (no bounce) to 1.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub restitution: f32,
-    /// Mass of a cubic metre, kg, not negative; 0 adds no mass.
-    #[serde(default = "density_default")]
-    pub density: f32,
-}
-
-impl Default for MaterialDoc {
-    fn default() -> Self {
-        Self { friction: FRICTION_DEFAULT, restitution: 0.0, density: DENSITY_DEFAULT }
-    }
+    /// Distinct materials with more than friction, restitution and density; at least as many as the scene uses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub materials: Option<u32>,
+    /// Pairs with rules of their own; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair_rules: Option<u32>,
 }
 
 /// A convex hull.
