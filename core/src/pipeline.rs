@@ -8,6 +8,7 @@
 pub(crate) mod assembly;
 pub(crate) mod broadphase;
 pub(crate) mod contacts;
+pub(crate) mod continuous;
 pub(crate) mod finish;
 pub(crate) mod integration;
 pub(crate) mod joints;
@@ -48,6 +49,9 @@ pub(crate) struct Counts {
     pub quarantined: u32,
     pub capped: u32,
     pub broken: u32,
+    /// Fast bodies, and those of them that were stopped on their way.
+    pub fast: u32,
+    pub cut: u32,
     /// Bodies that have been quiet for long enough.
     pub ready: u32,
 }
@@ -111,7 +115,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     crew.executor.enter(Stage::Finish);
     let joints = (&plan, links.joints, settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
-    finish::run(state, (cache, scratch), (&plan, settings), (&mut crew, &mut counts));
+    finish::run(state, (assets, cache, scratch), (&plan, settings), (&mut crew, &mut counts));
     if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
         sleep::fall(state, (cache, scratch), (links, steps));
     }
@@ -155,6 +159,7 @@ fn report(
         dropped: counts.dropped_pairs + counts.dropped_contacts,
         quarantined: counts.quarantined,
         capped: counts.capped,
+        cut: counts.cut,
         broken: counts.broken,
     }
 }

@@ -414,6 +414,12 @@ region! {
         block_chains: u32 = links_max(c),
         /// The body's seat in the phase that is laid out, by active body.
         phase_seats: u32 = c.bodies as usize,
+        /// Where fast bodies, kinematic ones and those that changed their sector were before the step, by slot.
+        origins: Motion = c.bodies as usize,
+        /// Slots of the fast bodies, ascending.
+        fast: u32 = c.bodies as usize,
+        /// The fraction of the step after which each of them is stopped; more than 1 for none.
+        stops: f64 = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),
         /// For registering a mesh.

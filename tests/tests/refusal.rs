@@ -67,6 +67,7 @@ impl Poison {
             gravity_scale: self.number(1.0),
             locks: AxisLocks::NONE,
             can_sleep: true,
+            bullet: false,
             mass: mass.then(|| self.mass()),
             user: 0,
         }

@@ -74,6 +74,8 @@ pub(crate) struct CompoundRow {
     pub children: u32,
     pub first_node: u32,
     pub nodes: u32,
+    /// Least inner radius of a child, metres.
+    pub inner_radius: f32,
 }
 
 /// What a triangle's surface is like, in the place of its shape's.

@@ -230,6 +230,7 @@ fn row_of(tables: &HullTables) -> HullRow {
     row.edges[..tables.edges.len()].copy_from_slice(&tables.edges);
     row.center = tables.center;
     row.radius_squared = tables.vertices.iter().fold(0.0, |most, v| crate::math::max(v.dot(*v), most));
+    row.inner_radius = tables.view().inner_radius();
     row.vertex_count = tables.vertices.len() as u32;
     row.face_count = tables.faces.len() as u32;
     row.loop_count = tables.loops.len() as u32;

@@ -5,7 +5,7 @@ use super::joints::remove_joints_of;
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::{
-    self, ASLEEP, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
+    self, ASLEEP, AxisLocks, BULLET, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
     Position, SLEEPLESS, STOPS_AFTER_STEP,
 };
 use crate::collide::mass::MassAccumulator;
@@ -49,6 +49,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         row.set_locks(def.locks);
         if !def.can_sleep {
             row.flags |= SLEEPLESS;
+        }
+        if def.bullet {
+            row.flags |= BULLET;
         }
         row.axes = Rotation::IDENTITY;
         row.stance = def.rotation.normalized().pack();

@@ -5,11 +5,12 @@ use super::assets::{bytes, run_mut};
 use super::checksum::hash;
 use crate::arena::Line;
 use crate::collide::bounds::aabb;
+use crate::collide::cast::support::inner_radius;
 use crate::collide::compound::{CHILDREN_MAX, Child, Compound, CompoundError, convex_solid};
 use crate::collide::tree;
 use crate::error::Error;
 use crate::handle::CompoundHandle;
-use crate::math::Pose;
+use crate::math::{Pose, min};
 use crate::shape::Geometry;
 use crate::state::CompoundRow;
 use crate::validate;
@@ -44,18 +45,21 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if children.len() > assets.children.len() - header.children as usize {
             return Err(Error::Full { name: "compound_children" });
         }
-        let row = CompoundRow {
+        let mut row = CompoundRow {
             first_child: header.children,
             children: children.len() as u32,
             first_node: header.child_nodes,
             nodes: tree::node_count(children.len()) as u32,
+            inner_radius: f32::MAX,
         };
         let own = run_mut(assets.children, row.first_child, row.children);
         for (i, (slot, child)) in own.iter_mut().zip(children).enumerate() {
             let (kind, size) = child.geometry.to_row();
             let pose = Pose::new(child.pose.position, child.pose.rotation.normalized());
             *slot = Child { kind, size, pose };
-            scratch.child_boxes[i] = aabb(&convex_solid(kind, size, assets.hulls), &pose);
+            let solid = convex_solid(kind, size, assets.hulls);
+            scratch.child_boxes[i] = aabb(&solid, &pose);
+            row.inner_radius = min(inner_radius(&solid), row.inner_radius);
         }
         tree::build(
             scratch.child_boxes,

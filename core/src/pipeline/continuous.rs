@@ -1,0 +1,296 @@
+//! Continuous collision: fast bodies do not pass through what contacts may miss.
+//!
+//! Contacts are found where a body is at the start of a step and hold along their normals, so they stop a body that
+//! comes straight at a surface. They miss what it meets after it has turned, bounced or been pushed aside. So at the
+//! end of the step each body that moved by more than a share of its thickness is taken along its way again
+//! (`collide/cast/impact.rs`), from the pose at the start to that at the end: its center straight ahead, its axes at a
+//! constant rate. At the first surface that it would have passed its motion ends, a hair in front, and the rest of
+//! the step's time is lost to it. Velocities stay: in the next step there is a contact, which has the impact.
+//!
+//! - Against static and kinematic bodies always, the latter on their own way; against dynamic ones for bodies with
+//!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Of those only
+//!   bodies that are still in their fat boxes are found.
+//! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body.
+//! - A body that is stopped may be torn off its joints for that step; they pull it back in the next.
+//! - Where no body is fast nothing runs: a body that moves less than [`WAY_FLOOR`] and turns less than [`TURN_FLOOR`]
+//!   is not looked at.
+
+use crate::body::{ASLEEP, BULLET, BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position};
+use crate::collide::Solid;
+use crate::collide::cast::children::Parts;
+use crate::collide::cast::frame::{Frame, length, narrowed, widened};
+use crate::collide::cast::impact::{Course, Rider, impact};
+use crate::collide::cast::support::inner_radius;
+use crate::collide::tree::Tree;
+use crate::collide::tree::search::Way;
+use crate::config::Settings;
+use crate::executor::{Executor, Stage};
+use crate::math::{Pose, Rotation, Vec3, max_each, sqrt};
+use crate::pipeline::broadphase::{may_meet, refresh_trees, tree_of};
+use crate::pipeline::finish::follow_stance;
+use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{Counts, solid};
+use crate::shape::{GEOMETRY_COMPOUND, GEOMETRY_HULL, ShapeRow};
+use crate::state::{AssetTables, Cache, Scratch, State};
+use glam::DVec3;
+
+/// A body is fast when some point of a shape moves by more than this share of the shape's inner radius in a step.
+const FAST_SHARE: f32 = 0.5;
+/// Way in a step below which no body is fast, metres: far less than contacts look ahead.
+const WAY_FLOOR: f32 = 0.002;
+/// Turn in a step below which none is, radians.
+const TURN_FLOOR: f32 = 0.02;
+/// Fast bodies that are worth a task.
+const FAST_BODIES: usize = 8;
+/// Stands for a body that is not stopped.
+const NEVER: f64 = 2.0;
+/// Turn in a step from which on a quaternion leaves open how often the body went around, radians.
+const AROUND: f32 = 3.0;
+
+/// What tells whether a body is fast.
+pub(crate) struct Race<'a> {
+    pub shapes: &'a [ShapeRow],
+    pub assets: &'a AssetTables<'a>,
+    pub settings: &'a Settings,
+}
+
+impl Race<'_> {
+    /// False for a body that is not fast whatever its shapes are. `way` is the motion of its center, metres.
+    #[inline(always)]
+    pub fn may_be_fast(&self, way: Vec3, motion: &Motion) -> bool {
+        let turn = motion.angular * self.settings.dt;
+        (way.dot(way) > WAY_FLOOR * WAY_FLOOR || turn.dot(turn) > TURN_FLOOR * TURN_FLOOR)
+            && self.settings.continuous
+    }
+
+    /// True when some point of a body's shape moved by more than a share of the shape's thickness.
+    pub fn is_fast(&self, way: Vec3, (motion, row): (&Motion, &BodyRow)) -> bool {
+        if !self.may_be_fast(way, motion) || !row.is_dynamic() {
+            return false;
+        }
+        let (way, turn) = (crate::math::length(way), crate::math::length(motion.angular) * self.settings.dt);
+        let mut next = row.first_shape;
+        while let Some(shape) = self.shapes.get(next as usize) {
+            let (inner, outer) = radii(shape, self.assets);
+            let arm = crate::math::length(shape.pose.position - row.local_center);
+            if way + turn * (arm + outer) > FAST_SHARE * inner {
+                return true;
+            }
+            next = shape.next;
+        }
+        false
+    }
+}
+
+/// The radius of a ball inside a shape, and that of one around it about the origin of its frame.
+fn radii(shape: &ShapeRow, assets: &AssetTables<'_>) -> (f32, f32) {
+    match shape.kind {
+        GEOMETRY_HULL => {
+            let hull = &assets.hulls[shape.asset() as usize];
+            (hull.inner_radius, sqrt(hull.radius_squared))
+        }
+        GEOMETRY_COMPOUND => {
+            let compound = assets.compound(shape.asset());
+            let bounds = compound.tree.bounds();
+            let corner = max_each(bounds.min.abs(), bounds.max.abs());
+            (assets.compounds[shape.asset() as usize].inner_radius, crate::math::length(corner))
+        }
+        _ => {
+            let solid = solid(shape, assets);
+            let bounds = crate::collide::bounds::aabb(&solid, &Pose::IDENTITY);
+            (inner_radius(&solid), crate::math::length(max_each(bounds.min.abs(), bounds.max.abs())))
+        }
+    }
+}
+
+/// Stops the bodies that are listed as fast at what they would have passed.
+pub(crate) fn run<E: Executor>(
+    state: &mut State<'_>,
+    (assets, cache, scratch): (&AssetTables<'_>, &mut Cache<'_>, &mut Scratch<'_>),
+    dt: f32,
+    (crew, counts): (&mut Crew<'_, E>, &mut Counts),
+) {
+    struct Task<'a> {
+        bodies: &'a [u32],
+        stops: &'a mut [f64],
+    }
+    let count = counts.fast as usize;
+    let origins = &*scratch.origins;
+    // Fat boxes are in the sectors of before.
+    let sector_of = |body: u32| {
+        let changed = state.bodies[body as usize].has(CHANGED_SECTOR);
+        let motions = if changed { origins } else { &*state.motions };
+        motions[body as usize].center.sector
+    };
+    refresh_trees((state, sector_of), cache, (scratch.tree_boxes, scratch.tree_keys));
+    let header = &cache.header[0];
+    let chase = Chase {
+        state,
+        assets,
+        origins,
+        trees: [
+            tree_of(cache.static_nodes, cache.static_order, header.static_leaves),
+            tree_of(cache.moving_nodes, cache.moving_order, header.moving_leaves),
+        ],
+        sector: header.sector,
+        dt,
+    };
+    let share = chunk(count, FAST_BODIES);
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    for (bodies, stops) in scratch.fast[..count].chunks(share).zip(scratch.stops[..count].chunks_mut(share)) {
+        push(&mut tasks, Task { bodies, stops });
+    }
+    crew.run(Stage::Finish, &mut tasks, |task| {
+        for (&body, stop) in task.bodies.iter().zip(task.stops.iter_mut()) {
+            *stop = chase.first_stop(body);
+        }
+    });
+    drop(tasks);
+    for (&body, &stop) in scratch.fast[..count].iter().zip(&scratch.stops[..count]) {
+        if stop < 1.0 {
+            let slot = body as usize;
+            cut(&scratch.origins[slot], (&mut state.motions[slot], &mut state.bodies[slot]), (stop, dt));
+            counts.cut += 1;
+        }
+    }
+}
+
+/// Ends a body's motion at a fraction of the step.
+fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): (f64, f32)) {
+    let course = course(origin.center, (origin, motion), dt);
+    motion.center = origin.center.plus_wide(course.way * stop);
+    let turn = Rotation::from_rotation_vector(narrowed(course.axis * (course.angle * stop)));
+    motion.rotation = turn.after(origin.rotation).normalized();
+    row.flags &= !CHANGED_SECTOR;
+    if motion.center.sector != origin.center.sector {
+        row.flags |= CHANGED_SECTOR;
+    }
+    follow_stance(motion, row);
+}
+
+/// The way of a body through the step, places from `from`.
+fn course(from: Position, (origin, end): (&Motion, &Motion), dt: f32) -> Course {
+    let start = Frame::new(origin.center.minus_wide(from), origin.rotation);
+    let way = end.center.minus_wide(origin.center);
+    let (axis, angle) = turn_between((origin.rotation, end.rotation), end.angular * dt);
+    Course { start, way, axis, angle }
+}
+
+/// Axis and angle of the turn from one orientation to another. Beyond half a turn it is the one next to that which the
+/// angular velocity makes, a rotation vector.
+fn turn_between((from, to): (Rotation, Rotation), expected: Vec3) -> (DVec3, f64) {
+    let [ax, ay, az, aw] = [from.x, from.y, from.z, from.w].map(f64::from);
+    let [bx, by, bz, bw] = [to.x, to.y, to.z, to.w].map(f64::from);
+    let (a, b) = (DVec3::new(ax, ay, az), DVec3::new(bx, by, bz));
+    let (real, imaginary) = (bw * aw + b.dot(a), b * aw - a * bw - b.cross(a));
+    let (real, imaginary) = if real < 0.0 { (-real, -imaginary) } else { (real, imaginary) };
+    let size = length(imaginary);
+    if size == 0.0 {
+        return (DVec3::Z, 0.0);
+    }
+    let axis = imaginary / size;
+    let mut angle = 2.0 * libm::atan2(size, real);
+    if expected.dot(expected) > AROUND * AROUND {
+        let tau = 2.0 * core::f64::consts::PI;
+        angle += tau * libm::rint((widened(expected).dot(axis) - angle) / tau);
+    }
+    (axis, angle)
+}
+
+/// What fast bodies may meet.
+struct Chase<'a> {
+    state: &'a State<'a>,
+    assets: &'a AssetTables<'a>,
+    origins: &'a [Motion],
+    /// Of what rests, and of the rest.
+    trees: [Tree<'a>; 2],
+    /// The trees' sector.
+    sector: [i32; 3],
+    dt: f32,
+}
+
+impl Chase<'_> {
+    /// The fraction of the step at which a body meets the first surface that it would pass.
+    fn first_stop(&self, body: u32) -> f64 {
+        let (row, origin) = (&self.state.bodies[body as usize], &self.origins[body as usize]);
+        let course = course(origin.center, (origin, &self.state.motions[body as usize]), self.dt);
+        let mut best = NEVER;
+        let mut next = row.first_shape;
+        while let Some(shape) = self.state.shapes.get(next as usize) {
+            best = self.stop_of((next, shape), (row, origin, &course), best);
+            next = shape.next;
+        }
+        best
+    }
+
+    /// The same for one of its shapes, if it is before `best`.
+    fn stop_of(
+        &self,
+        (slot, shape): (u32, &ShapeRow),
+        (row, origin, course): (&BodyRow, &Motion, &Course),
+        best: f64,
+    ) -> f64 {
+        let Some(parts) = Parts::new(&solid(shape, self.assets)) else { return best };
+        let local = local_frame(row, shape);
+        let (low, high) = parts.bounds(&local);
+        let reach = DVec3::splat(length(crate::collide::cast::children::most(low, high)) + SEARCH_MARGIN);
+        let span = length(course.way);
+        let direction = if span > 0.0 { course.way / span } else { DVec3::ZERO };
+        let from = origin.center.minus_wide(Position { sector: self.sector, offset: Vec3::ZERO });
+        let limit = |best: f64| if best < 1.0 { best * span } else { f64::MAX };
+        let mut best = best;
+        for tree in &self.trees {
+            let Some(way) = Way::new(tree, (from, direction, span), (-reach, reach)) else { continue };
+            tree.search(
+                way.limit(limit(best)),
+                |bounds| way.bound(bounds),
+                |other| {
+                    if other != slot && self.stops(row, slot, other) {
+                        best = self.meet((&parts, &local), (origin, course), (other, best));
+                    }
+                    way.limit(limit(best))
+                },
+            );
+        }
+        best
+    }
+
+    /// True when a body is stopped at a shape.
+    fn stops(&self, row: &BodyRow, slot: u32, other: u32) -> bool {
+        let theirs = &self.state.bodies[self.state.shapes[other as usize].body as usize];
+        (!theirs.is_dynamic() || theirs.has(ASLEEP) || row.has(BULLET)) && may_meet(self.state, slot, other)
+    }
+
+    /// The first meeting of a shape's parts with another shape, if it is before `best`.
+    fn meet(
+        &self,
+        (parts, local): (&Parts<'_>, &Frame),
+        (origin, course): (&Motion, &Course),
+        (other, best): (u32, f64),
+    ) -> f64 {
+        let shape = &self.state.shapes[other as usize];
+        let index = shape.body as usize;
+        let (row, motion) = (&self.state.bodies[index], &self.state.motions[index]);
+        let theirs = if row.kind() == BodyKind::Kinematic {
+            self::course(origin.center, (&self.origins[index], motion), self.dt)
+        } else {
+            Course::still(Frame::new(motion.center.minus_wide(origin.center), motion.rotation))
+        };
+        let wall: Rider<'_, Solid<'_>> =
+            Rider { shape: solid(shape, self.assets), local: local_frame(row, shape), course: &theirs };
+        parts.at(local).fold(best, |best, (core, local)| {
+            let limit = if best < 1.0 { best } else { 1.0 };
+            impact(&wall, &Rider { shape: core, local, course }, limit).map_or(best, |time| {
+                if time < best { time } else { best }
+            })
+        })
+    }
+}
+
+/// By how much more than its size a shape is looked around, metres: the gap at an impact, and rounding.
+const SEARCH_MARGIN: f64 = 0.005;
+
+/// Where a shape stands from its body's center, in the body's axes.
+fn local_frame(row: &BodyRow, shape: &ShapeRow) -> Frame {
+    Frame::new(widened(shape.pose.position) - widened(row.local_center), shape.pose.rotation)
+}
