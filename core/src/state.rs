@@ -343,8 +343,8 @@ pub(crate) struct Active {
     pub root: [f32; 6],
     /// Slot of the body.
     pub body: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// 1 for a body with joints.
+    pub jointed: u32,
     /// Velocity gained from gravity and force in a substep, m/s.
     pub push: Vec3,
     /// Whitened angular velocity at the start of the step.

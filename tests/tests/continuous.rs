@@ -13,7 +13,7 @@ use continuous::shots::{self, Wall};
 fn nothing_passes_a_wall() {
     for wall in Wall::ALL {
         for kind in shots::KINDS {
-            let report = shots::fire(wall, kind, 1, true);
+            if std::env::var("ONE").is_ok_and(|o| o != format!("{wall:?}{kind:?}")) { continue; } let report = shots::fire(wall, kind, 1, true);
             println!("{wall:?} {kind:?}: {report:?}");
         }
     }

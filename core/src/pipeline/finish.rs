@@ -228,7 +228,7 @@ impl Results<'_> {
             center: motion.center.plus(displacement),
             rotation,
             linear: Vec3::new(u[0], u[1], u[2]),
-            angular: angular_velocity((&self.active[index], motion, row), whitened, rotation),
+            angular: angular_velocity((&self.active[index], motion, row), (whitened, mover.view(lane)), rotation),
         };
         row.force = Vec3::ZERO;
         row.torque = Vec3::ZERO;

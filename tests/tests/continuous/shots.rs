@@ -312,6 +312,12 @@ fn watch(
             }
             let gain = energy(world, body) / before[i] - 1.0;
             gained[i] |= gain > 0.01;
+            if std::env::var("TRACE").is_ok_and(|t| t.parse() == Ok(i)) {
+                let w = turned(rotation.inverse(), wide(world.angular_velocity(body).expect("x")));
+                let v = wide(world.linear_velocity(body).expect("x"));
+                println!("{i} low {lowest:.5} h {height:.5} vn {:.3} |v| {:.3} w {:.2} {:.2} {:.2} gain {gain:.3e}", dot(v, up), dot(v, v).sqrt(), w[0], w[1], w[2]);
+            }
+            if gain > 1.0 && std::env::var("WORST").is_ok() { println!("{i} {gain:.2e}"); }
             outcome.gain = outcome.gain.max(gain);
         }
     }
