@@ -87,7 +87,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let moved = broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
     let woken = sleep::wake(state, (assets, settings.dt), (cache, scratch), &mut counts);
     crew.executor.enter(Stage::Narrowphase);
-    let looks = (&*assets, settings.dt, moved, woken);
+    let looks = (&*assets, settings, moved, woken);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
     let links = activate(state, scratch, &mut crew);

@@ -302,11 +302,17 @@ pub(crate) struct Touch {
     pub restitution: f32,
     /// From the center of body A to that of body B.
     pub centers: Vec3,
-    /// 1 when the separations follow from the memo's points and the poses; 0 when the memo gives them.
+    /// [`Touch::SETTLED`], [`Touch::FAST`] or 0.
     pub settled: f32,
 }
 
 impl Touch {
+    /// The separations follow from the memo's points and the poses, and arms from the stances; else the memo gives the
+    /// separations.
+    pub const SETTLED: f32 = 1.0;
+    /// The bodies come from far: the point of contact is A's, and not in the middle between the two points.
+    pub const FAST: f32 = 0.5;
+
     /// -1 when the solver's order is not that of the slots: the sign of what is stored for the body of the
     /// higher slot.
     pub fn sign(&self) -> f32 {

@@ -20,24 +20,26 @@ use crate::collide::Solid;
 use crate::collide::cast::children::Parts;
 use crate::collide::cast::frame::{Frame, length, narrowed, widened};
 use crate::collide::cast::impact::{Course, Rider, impact};
-use crate::collide::cast::support::inner_radius;
+use crate::collide::cast::support;
 use crate::collide::tree::Tree;
 use crate::collide::tree::search::Way;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
-use crate::math::{Pose, Rotation, Vec3, max_each, sqrt};
+use crate::math::{Pose, Rotation, Vec3, max_each, min, sqrt};
 use crate::pipeline::broadphase::{may_meet, refresh_trees, tree_of};
 use crate::pipeline::finish::follow_stance;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
-use crate::shape::{GEOMETRY_COMPOUND, GEOMETRY_HULL, ShapeRow};
+use crate::shape::{
+    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_HULL, GEOMETRY_ROUNDED_HULL, GEOMETRY_SPHERE, ShapeRow,
+};
 use crate::state::{AssetTables, Cache, Scratch, State};
 use glam::DVec3;
 
 /// A body is fast when some point of a shape moves by more than this share of the shape's inner radius in a step.
-const FAST_SHARE: f32 = 0.5;
+pub(crate) const FAST_SHARE: f32 = 0.5;
 /// Way in a step below which no body is fast, metres: far less than contacts look ahead.
-const WAY_FLOOR: f32 = 0.002;
+pub(crate) const WAY_FLOOR: f32 = 0.002;
 /// Turn in a step below which none is, radians.
 const TURN_FLOOR: f32 = 0.02;
 /// Fast bodies that are worth a task.
@@ -71,7 +73,7 @@ impl Race<'_> {
         let (way, turn) = (crate::math::length(way), crate::math::length(motion.angular) * self.settings.dt);
         let mut next = row.first_shape;
         while let Some(shape) = self.shapes.get(next as usize) {
-            let (inner, outer) = radii(shape, self.assets);
+            let (inner, outer) = (inner_radius(shape, self.assets), outer_radius(shape, self.assets));
             let arm = crate::math::length(shape.pose.position - row.local_center);
             if way + turn * (arm + outer) > FAST_SHARE * inner {
                 return true;
@@ -82,23 +84,30 @@ impl Race<'_> {
     }
 }
 
-/// The radius of a ball inside a shape, and that of one around it about the origin of its frame.
-fn radii(shape: &ShapeRow, assets: &AssetTables<'_>) -> (f32, f32) {
+/// The radius of a ball inside a shape, metres: of a compound the least of its children; 0 without an inside.
+pub(crate) fn inner_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
+    let [x, y, z] = shape.size;
     match shape.kind {
-        GEOMETRY_HULL => {
-            let hull = &assets.hulls[shape.asset() as usize];
-            (hull.inner_radius, sqrt(hull.radius_squared))
-        }
-        GEOMETRY_COMPOUND => {
-            let compound = assets.compound(shape.asset());
-            let bounds = compound.tree.bounds();
-            let corner = max_each(bounds.min.abs(), bounds.max.abs());
-            (assets.compounds[shape.asset() as usize].inner_radius, crate::math::length(corner))
-        }
+        GEOMETRY_SPHERE | GEOMETRY_CAPSULE => x,
+        GEOMETRY_BOX => min(x, min(y, z)),
+        GEOMETRY_HULL => assets.hulls[shape.asset() as usize].inner_radius,
+        GEOMETRY_ROUNDED_HULL => assets.hulls[shape.asset() as usize].inner_radius + y,
+        GEOMETRY_COMPOUND => assets.compounds[shape.asset() as usize].inner_radius,
+        _ => support::inner_radius(&solid(shape, assets)),
+    }
+}
+
+/// The radius of a ball around a shape about the origin of its frame, metres.
+fn outer_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
+    let [x, y, _] = shape.size;
+    match shape.kind {
+        GEOMETRY_SPHERE => x,
+        GEOMETRY_CAPSULE => x + y,
+        GEOMETRY_HULL => sqrt(assets.hulls[shape.asset() as usize].radius_squared),
+        GEOMETRY_ROUNDED_HULL => sqrt(assets.hulls[shape.asset() as usize].radius_squared) + y,
         _ => {
-            let solid = solid(shape, assets);
-            let bounds = crate::collide::bounds::aabb(&solid, &Pose::IDENTITY);
-            (inner_radius(&solid), crate::math::length(max_each(bounds.min.abs(), bounds.max.abs())))
+            let bounds = crate::collide::bounds::aabb(&solid(shape, assets), &Pose::IDENTITY);
+            crate::math::length(max_each(bounds.min.abs(), bounds.max.abs()))
         }
     }
 }
@@ -155,12 +164,14 @@ pub(crate) fn run<E: Executor>(
     }
 }
 
-/// Ends a body's motion at a fraction of the step.
+/// Ends a body's motion at a fraction of the step. Its velocities stay, the angular one in the body's frame: so its energy
+/// does, where a spin about the long axis of a rod that has turned would be one across it.
 fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): (f64, f32)) {
     let course = course(origin.center, (origin, motion), dt);
     motion.center = origin.center.plus_wide(course.way * stop);
-    let turn = Rotation::from_rotation_vector(narrowed(course.axis * (course.angle * stop)));
-    motion.rotation = turn.after(origin.rotation).normalized();
+    let turn = |share: f64| Rotation::from_rotation_vector(narrowed(course.axis * (course.angle * share)));
+    motion.rotation = turn(stop).after(origin.rotation).normalized();
+    motion.angular = turn(stop - 1.0).rotate(motion.angular);
     row.flags &= !CHANGED_SECTOR;
     if motion.center.sector != origin.center.sector {
         row.flags |= CHANGED_SECTOR;

@@ -5,6 +5,7 @@
 //! Impulses are carried over by feature.
 
 use crate::collide::{MANIFOLDS_MAX, Manifold, Manifolds, POINTS_MAX};
+use crate::config::Settings;
 use crate::executor::{Executor, Stage};
 use crate::math::{Pose, max, sqrt};
 use crate::pipeline::contacts::{self, Change, Yield};
@@ -25,11 +26,11 @@ const COLLIDE_PAIRS: usize = 64;
 /// changed ones are among them. `woken` contacts are back from sleep, and listed too.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt, moved, woken): (&AssetTables<'_>, f32, usize, usize),
+    (assets, settings, moved, woken): (&AssetTables<'_>, &Settings, usize, usize),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
-    let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
+    let yields = collide_pairs(state, (assets, settings), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
     let change = contacts::merge(state, (cache, scratch), (&yields, woken), (crew, counts));
     for &slot in &scratch.moved[..moved] {
@@ -41,7 +42,7 @@ pub(crate) fn run<E: Executor>(
 /// Brings every pair's contacts up to date.
 fn collide_pairs<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt): (&AssetTables<'_>, f32),
+    (assets, settings): (&AssetTables<'_>, &Settings),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     crew: &mut Crew<'_, E>,
 ) -> Tasks<Yield> {
@@ -55,7 +56,8 @@ fn collide_pairs<E: Executor>(
             reaches: scratch.reaches,
         },
         assets,
-        dt,
+        dt: settings.dt,
+        continuous: settings.continuous,
         memos_fit: cache.header[0].memos_fit != 0,
     };
     let pairs = &state.pairs[..pair_count];
@@ -106,6 +108,7 @@ struct Look<'a> {
     scene: Scene<'a>,
     assets: &'a AssetTables<'a>,
     dt: f32,
+    continuous: bool,
     memos_fit: bool,
 }
 
@@ -176,6 +179,8 @@ struct Found<'a> {
     meeting: Meeting,
     /// Whether the solver's A is B.
     exchanged: bool,
+    /// Whether the shapes go by each other by more than a share of their thickness.
+    fast: bool,
 }
 
 impl Found<'_> {
@@ -187,7 +192,11 @@ impl Found<'_> {
             friction: sqrt(a.friction * b.friction),
             restitution: max(a.restitution, b.restitution),
             centers: if *exchanged { -meeting.centers } else { meeting.centers },
-            settled: if settled { 1.0 } else { 0.0 },
+            settled: match (settled, self.fast) {
+                (true, _) => Touch::SETTLED,
+                (_, true) => Touch::FAST,
+                _ => 0.0,
+            },
         }
     }
 
@@ -248,7 +257,8 @@ impl Task<'_> {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
         let meeting = Meeting::new(&look.scene, slots, look.dt);
-        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots) };
+        let fast = look.continuous && meeting.is_fast(shapes, look.assets);
+        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots), fast };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);
@@ -277,7 +287,7 @@ impl Task<'_> {
                 self.take_over(look, &found, (manifold, &base, Some(memory)), olds);
             }
         } else {
-            found.meeting.collide(solids, manifolds);
+            found.meeting.collide(solids, fast, manifolds);
             if self.goes_on(look, (&found, first), manifolds) {
                 return;
             }

@@ -240,7 +240,8 @@ pub fn energy(world: &OwnedWorld, body: BodyHandle) -> f64 {
 pub fn fire(wall: Wall, kind: Kind, seed: u64, continuous: bool) -> Outcome {
     let mut random = Random::new(seed);
     let mut world = world_for(SHOTS);
-    let settings = Settings { continuous, gravity: Vec3::ZERO, ..world.settings() };
+    let env = |n: &str, d: u32| std::env::var(n).map_or(d, |x| x.parse().unwrap());
+    let settings = Settings { continuous, gravity: Vec3::ZERO, substeps: env("SUB", 4), relax_sweeps: env("RELAX", 1), sweeps: env("SWEEPS", 1), ..world.settings() };
     world.set_settings(&settings).expect("in range");
     let (geometry, surface, at) = wall_of(&mut world, wall);
     let mut any = || random.between(-1.0, 1.0);
@@ -269,7 +270,7 @@ pub fn fire(wall: Wall, kind: Kind, seed: u64, continuous: bool) -> Outcome {
         };
         let filter = Filter { group: -1, ..Filter::default() };
         let restitution = if shot % 2 == 0 { 0.0 } else { 0.5 };
-        let shape = ShapeDef { filter, restitution, ..ShapeDef::new(shell.geometry) };
+        let shape = ShapeDef { filter, restitution, friction: env("FRIC", 60) as f32 * 0.01, ..ShapeDef::new(shell.geometry) };
         bodies.push(add(&mut world, &def, &shape).0);
     }
     watch(&mut world, &bodies, (&shell, surface), (origin, stand))
@@ -315,6 +316,8 @@ fn watch(
             if std::env::var("TRACE").is_ok_and(|t| t.parse() == Ok(i)) {
                 let w = turned(rotation.inverse(), wide(world.angular_velocity(body).expect("x")));
                 let v = wide(world.linear_velocity(body).expect("x"));
+                let mp = world.mass_properties(body).expect("x"); let fr = rotation.after(mp.axes); let wl = turned(fr.inverse(), wide(world.angular_velocity(body).expect("x"))); let l = turned(fr, [wl[0]*mp.inertia.x as f64/mp.mass as f64, wl[1]*mp.inertia.y as f64/mp.mass as f64, wl[2]*mp.inertia.z as f64/mp.mass as f64]); let ll = turned(stand.inverse(), l); let vv = turned(stand.inverse(), v); let ax = turned(stand.inverse(), turned(rotation, [0.0,0.0,1.0]));
+                println!("v {:.3?} L/m {:.4?} axis {:.3?} I/m {:?}", vv, ll, ax, mp.inertia / mp.mass);
                 println!("{i} low {lowest:.5} h {height:.5} vn {:.3} |v| {:.3} w {:.2} {:.2} {:.2} gain {gain:.3e}", dot(v, up), dot(v, v).sqrt(), w[0], w[1], w[2]);
             }
             if gain > 1.0 && std::env::var("WORST").is_ok() { println!("{i} {gain:.2e}"); }
