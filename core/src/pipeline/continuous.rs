@@ -19,7 +19,7 @@ use crate::body::{ASLEEP, BULLET, BodyKind, BodyRow, CHANGED_SECTOR, Motion, Pos
 use crate::collide::Solid;
 use crate::collide::cast::children::Parts;
 use crate::collide::cast::frame::{Frame, length, narrowed, widened};
-use crate::collide::cast::impact::{Course, Rider, impact};
+use crate::collide::cast::impact::{Course, Rider, Turn, impact};
 use crate::collide::cast::support;
 use crate::collide::tree::Tree;
 use crate::collide::tree::search::Way;
@@ -28,6 +28,7 @@ use crate::executor::{Executor, Stage};
 use crate::math::{Pose, Rotation, Vec3, max_each, min, sqrt};
 use crate::pipeline::broadphase::{may_meet, refresh_trees, tree_of};
 use crate::pipeline::finish::follow_stance;
+use crate::pipeline::integration::split_frame;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::shape::{
@@ -47,7 +48,7 @@ const FAST_BODIES: usize = 8;
 /// Stands for a body that is not stopped.
 const NEVER: f64 = 2.0;
 /// Turn in a step from which on a quaternion leaves open how often the body went around, radians.
-const AROUND: f32 = 3.0;
+const AROUND: f64 = 3.0;
 
 /// What tells whether a body is fast.
 pub(crate) struct Race<'a> {
@@ -164,14 +165,15 @@ pub(crate) fn run<E: Executor>(
     }
 }
 
-/// Ends a body's motion at a fraction of the step. Its velocities stay, the angular one in the body's frame: so its energy
-/// does, where a spin about the long axis of a rod that has turned would be one across it.
+/// Ends a body's motion at a fraction of the step. Velocities stay, the angular one in the view of the body's odd axis: so the
+/// energy does, where a spin about the long axis of a rod that has turned would be one across it.
 fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): (f64, f32)) {
-    let course = course(origin.center, (origin, motion), dt);
+    let course = course(origin.center, (origin, motion, row), dt);
     motion.center = origin.center.plus_wide(course.way * stop);
-    let turn = |share: f64| Rotation::from_rotation_vector(narrowed(course.axis * (course.angle * share)));
-    motion.rotation = turn(stop).after(origin.rotation).normalized();
-    motion.angular = turn(stop - 1.0).rotate(motion.angular);
+    let turn = |turn: Turn, share: f64| Rotation::from_rotation_vector(narrowed(turn.axis * (turn.angle * share)));
+    let start = turn(course.twist, stop).after(origin.rotation);
+    motion.rotation = turn(course.swing, stop).after(start).normalized();
+    motion.angular = turn(course.swing, stop - 1.0).rotate(motion.angular);
     row.flags &= !CHANGED_SECTOR;
     if motion.center.sector != origin.center.sector {
         row.flags |= CHANGED_SECTOR;
@@ -180,32 +182,91 @@ fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): 
 }
 
 /// The way of a body through the step, places from `from`.
-fn course(from: Position, (origin, end): (&Motion, &Motion), dt: f32) -> Course {
+fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: f32) -> Course {
     let start = Frame::new(origin.center.minus_wide(from), origin.rotation);
     let way = end.center.minus_wide(origin.center);
-    let (axis, angle) = turn_between((origin.rotation, end.rotation), end.angular * dt);
-    Course { start, way, axis, angle }
+    let (swing, twist) = turns_between((origin.rotation, end.rotation), row, widened(end.angular * dt));
+    Course { start, way, swing, twist }
 }
 
-/// Axis and angle of the turn from one orientation to another. Beyond half a turn it is the one next to that which the
-/// angular velocity makes, a rotation vector.
-fn turn_between((from, to): (Rotation, Rotation), expected: Vec3) -> (DVec3, f64) {
-    let [ax, ay, az, aw] = [from.x, from.y, from.z, from.w].map(f64::from);
-    let [bx, by, bz, bw] = [to.x, to.y, to.z, to.w].map(f64::from);
-    let (a, b) = (DVec3::new(ax, ay, az), DVec3::new(bx, by, bz));
-    let (real, imaginary) = (bw * aw + b.dot(a), b * aw - a * bw - b.cross(a));
-    let (real, imaginary) = if real < 0.0 { (-real, -imaginary) } else { (real, imaginary) };
-    let size = length(imaginary);
-    if size == 0.0 {
-        return (DVec3::Z, 0.0);
+/// The turn from one orientation to another: the least one that takes the axis of the odd moment of inertia along, and a
+/// twist about that axis. A body spins about it as fast as it likes, and swings slowly. Of a body without such an axis all
+/// is swing. Beyond half a turn the swing is the one next to that of the angular velocity times the step.
+fn turns_between((from, to): (Rotation, Rotation), row: &BodyRow, expected: DVec3) -> (Turn, Turn) {
+    let (from, to) = (Quaternion::of(from), Quaternion::of(to));
+    let i = row.inertia;
+    let whole = to.after(from.inverse());
+    if i.x == i.y && i.y == i.z {
+        let swing = whole.turn(None);
+        return (Turn { angle: next_to(expected.dot(swing.axis), swing.angle), ..swing }, Turn::NONE);
     }
-    let axis = imaginary / size;
-    let mut angle = 2.0 * libm::atan2(size, real);
-    if expected.dot(expected) > AROUND * AROUND {
-        let tau = 2.0 * core::f64::consts::PI;
-        angle += tau * libm::rint((widened(expected).dot(axis) - angle) / tau);
+    let axes = row.axes.after(split_frame(i).0);
+    let odd = widened(axes.rotate(Vec3::Z));
+    let (before, after) = (from.rotate(odd), to.rotate(odd));
+    let across = before.cross(after);
+    let sine = length(across);
+    let swing = if sine > 0.0 {
+        let axis = across / sine;
+        let angle = libm::atan2(sine, before.dot(after));
+        Turn { axis, angle: next_to(expected.dot(axis), angle) }
+    } else {
+        Turn::NONE
+    };
+    let twist = Quaternion::about(swing).inverse().after(whole).turn(Some(before));
+    (swing, twist)
+}
+
+/// Of the angles that differ by whole turns the one next to what is expected, if that is half a turn or more.
+fn next_to(expected: f64, angle: f64) -> f64 {
+    let tau = 2.0 * core::f64::consts::PI;
+    if expected.abs() < AROUND { angle } else { angle + tau * libm::rint((expected - angle) / tau) }
+}
+
+/// A rotation in double precision, of length 1 but for the rounding of the state.
+#[derive(Clone, Copy)]
+struct Quaternion {
+    imaginary: DVec3,
+    real: f64,
+}
+
+impl Quaternion {
+    fn of(q: Rotation) -> Self {
+        let [x, y, z, w] = [q.x, q.y, q.z, q.w].map(f64::from);
+        Self { imaginary: DVec3::new(x, y, z), real: w }
     }
-    (axis, angle)
+
+    fn about(turn: Turn) -> Self {
+        let half = 0.5 * turn.angle;
+        Self { imaginary: turn.axis * libm::sin(half), real: libm::cos(half) }
+    }
+
+    fn inverse(self) -> Self {
+        Self { imaginary: -self.imaginary, ..self }
+    }
+
+    /// First `first`, then this.
+    fn after(self, first: Self) -> Self {
+        let (a, b) = (self.imaginary, first.imaginary);
+        Self {
+            imaginary: b * self.real + a * first.real + a.cross(b),
+            real: self.real * first.real - a.dot(b),
+        }
+    }
+
+    fn rotate(self, v: DVec3) -> DVec3 {
+        let t = self.imaginary.cross(v) * 2.0;
+        v + t * self.real + self.imaginary.cross(t)
+    }
+
+    /// Axis and angle, at most half a turn; about a given unit axis what there is about it.
+    fn turn(self, axis: Option<DVec3>) -> Turn {
+        let (v, w) = if self.real < 0.0 { (-self.imaginary, -self.real) } else { (self.imaginary, self.real) };
+        if let Some(axis) = axis {
+            return Turn { axis, angle: 2.0 * libm::atan2(v.dot(axis), w) };
+        }
+        let size = length(v);
+        if size == 0.0 { Turn::NONE } else { Turn { axis: v / size, angle: 2.0 * libm::atan2(size, w) } }
+    }
 }
 
 /// What fast bodies may meet.
@@ -224,7 +285,7 @@ impl Chase<'_> {
     /// The fraction of the step at which a body meets the first surface that it would pass.
     fn first_stop(&self, body: u32) -> f64 {
         let (row, origin) = (&self.state.bodies[body as usize], &self.origins[body as usize]);
-        let course = course(origin.center, (origin, &self.state.motions[body as usize]), self.dt);
+        let course = course(origin.center, (origin, &self.state.motions[body as usize], row), self.dt);
         let mut best = NEVER;
         let mut next = row.first_shape;
         while let Some(shape) = self.state.shapes.get(next as usize) {
@@ -283,7 +344,7 @@ impl Chase<'_> {
         let index = shape.body as usize;
         let (row, motion) = (&self.state.bodies[index], &self.state.motions[index]);
         let theirs = if row.kind() == BodyKind::Kinematic {
-            self::course(origin.center, (&self.origins[index], motion), self.dt)
+            self::course(origin.center, (&self.origins[index], motion, row), self.dt)
         } else {
             Course::still(Frame::new(motion.center.minus_wide(origin.center), motion.rotation))
         };

@@ -252,6 +252,7 @@ pub fn fire(wall: Wall, kind: Kind, seed: u64, continuous: bool) -> Outcome {
     let shell = shell(&mut world, kind);
     let mut bodies = Vec::new();
     for shot in 0..SHOTS {
+        if std::env::var("ONLY").is_ok_and(|o| o.parse() != Ok(shot)) { continue; }
         let mut random = Random::new(seed * 1000 + shot as u64);
         let mut any = || random.between(-1.0, 1.0);
         let speed = cellstep_tests_pow10(1.5 + 1.5 * any());
@@ -293,7 +294,8 @@ fn watch(
     let up = turned(stand, [0.0, 0.0, 1.0]);
     let sides = [turned(stand, [1.0, 0.0, 0.0]), turned(stand, [0.0, 1.0, 0.0])];
     for _ in 0..STEPS {
-        outcome.cut += world.step(&mut Serial).cut;
+        let report = world.step(&mut Serial); if std::env::var("ONLY").is_ok() { println!("{report:?}"); for c in world.contacts() { println!("   {c:?}"); } }
+        outcome.cut += report.cut;
         for (i, &body) in bodies.iter().enumerate() {
             let c = plus(center(world, body), wide(origin), -1.0);
             // Beside the wall there is nothing to hold it.
@@ -320,7 +322,7 @@ fn watch(
                 println!("v {:.3?} L/m {:.4?} axis {:.3?} I/m {:?}", vv, ll, ax, mp.inertia / mp.mass);
                 println!("{i} low {lowest:.5} h {height:.5} vn {:.3} |v| {:.3} w {:.2} {:.2} {:.2} gain {gain:.3e}", dot(v, up), dot(v, v).sqrt(), w[0], w[1], w[2]);
             }
-            if gain > 1.0 && std::env::var("WORST").is_ok() { println!("{i} {gain:.2e}"); }
+            if (-lowest > 0.5 * f64::from(shell.inner) || passed[i]) && std::env::var("WORST").is_ok() { println!("{i} {lowest:.5} {height:.5}"); }
             outcome.gain = outcome.gain.max(gain);
         }
     }

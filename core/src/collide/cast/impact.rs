@@ -43,7 +43,20 @@ const GAP_MAX: f64 = 1.0e-3;
 /// Shapes touch when they are nearer than this share of the gap.
 const TOUCH_SHARE: f64 = 1.0 / 16.0;
 
-/// How a body goes through a step: its center straight ahead, its axes at a constant rate. Time is a fraction of the
+/// A turn at a constant rate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn {
+    /// Unit vector.
+    pub axis: DVec3,
+    /// Over the step, radians.
+    pub angle: f64,
+}
+
+impl Turn {
+    pub const NONE: Self = Self { axis: DVec3::Z, angle: 0.0 };
+}
+
+/// How a body goes through a step: its center straight ahead, its axes at constant rates. Time is a fraction of the
 /// step, and places are from a point that all courses share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course {
@@ -51,26 +64,32 @@ pub(crate) struct Course {
     pub start: Frame,
     /// Way of the center over the step, metres.
     pub way: DVec3,
-    /// Unit axis of the turn.
-    pub axis: DVec3,
-    /// Angle of the turn over the step, radians.
-    pub angle: f64,
+    /// The turn of the body, but for its twist.
+    pub swing: Turn,
+    /// The turn about an axis of the body, given as it stands at the start.
+    pub twist: Turn,
 }
 
 impl Course {
     /// One that stays.
     pub fn still(frame: Frame) -> Self {
-        Self { start: frame, way: DVec3::ZERO, axis: DVec3::Z, angle: 0.0 }
+        Self { start: frame, way: DVec3::ZERO, swing: Turn::NONE, twist: Turn::NONE }
     }
 
     /// The body at a time.
     fn at(&self, time: f64) -> Frame {
-        let place = self.start.at(self.start.position + self.way * time);
-        if self.angle == 0.0 { place } else { place.turned(self.axis, self.angle * time) }
+        let mut frame = self.start.at(self.start.position + self.way * time);
+        for Turn { axis, angle } in [self.twist, self.swing] {
+            if angle != 0.0 {
+                frame = frame.turned(axis, angle * time);
+            }
+        }
+        frame
     }
 
-    fn turn(&self) -> DVec3 {
-        self.axis * self.angle
+    /// The least angle that is certainly not exceeded by the turn of the step.
+    fn most(&self) -> f64 {
+        self.swing.angle.abs() + self.twist.angle.abs()
     }
 }
 
@@ -120,10 +139,12 @@ enum Wall<'a> {
 struct Mover<'a> {
     rider: Rider<'a, Core<'a>>,
     thinner: [Core<'a>; SKINS.len()],
-    /// Greatest distance of a point from the axis of the turn, metres.
+    /// Greatest distance of a point from the axis of the swing, metres.
     lever: f64,
     /// And from the body's center.
     reach: f64,
+    /// The greatest way of a point by the twist, metres.
+    twist: f64,
     gap: f64,
 }
 
@@ -133,22 +154,18 @@ impl<'a> Mover<'a> {
         let (low, high) = core.bounds(&rider.local);
         let most = |low: f64, high: f64| greater(-low, high);
         let corner = DVec3::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z));
-        let frame = rider.course.start.at(DVec3::ZERO).after(&rider.local);
-        // Two axes across that of the turn.
-        let axis = rider.course.axis;
-        let away = if axis.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
-        let first = axis.cross(away);
-        let first = first / length(first);
-        let second = axis.cross(first);
-        let along = |d: DVec3| frame.transform(core.support(frame.unturn(d))).dot(d) + core.radius;
-        let (x, y) = (most(-along(-first), along(first)), most(-along(-second), along(second)));
+        let (swing, twist) = (rider.course.swing, rider.course.twist);
+        let reach = length(corner);
+        let twist_way = if twist.angle == 0.0 { 0.0 } else { twist.angle.abs() * lever(rider, twist.axis) };
         let inner = core.inner_radius();
         let gap = lesser(greater(GAP_SHARE * inner, GAP_MIN), GAP_MAX);
         Self {
             rider: *rider,
             thinner: SKINS.map(|share| core.eroded(share)),
-            lever: libm::sqrt(x * x + y * y),
-            reach: length(corner),
+            // A twist brings other points across the axis of the swing.
+            lever: if twist_way == 0.0 { lever(rider, swing.axis) } else { reach },
+            reach,
+            twist: twist_way,
             gap,
         }
     }
@@ -183,12 +200,13 @@ impl<'a> Mover<'a> {
     ) -> f64 {
         let (own, theirs) = (self.rider.course, other.course);
         let mut linear = normal.dot(own.way - theirs.way);
-        if theirs.angle != 0.0 {
+        linear += self.twist;
+        if theirs.most() != 0.0 {
             // Seen from a body that turns all else turns about it. The distance of two centers is greatest at an end.
             let apart = |t: f64| length(own.at(t).position - theirs.at(t).position);
-            linear += length(normal.cross(theirs.turn())) * (greater(apart(time), apart(1.0)) + self.reach);
+            linear += theirs.most() * (greater(apart(time), apart(1.0)) + self.reach);
         }
-        let cross = normal.cross(own.turn());
+        let cross = normal.cross(own.swing.axis * own.swing.angle);
         let size = length(cross);
         let fastest = linear + size * self.lever;
         let by_fastest = if fastest > 0.0 { gap / fastest } else { f64::INFINITY };
@@ -198,7 +216,7 @@ impl<'a> Mover<'a> {
         let frame = self.rider.course.at(time).at(DVec3::ZERO).after(&self.rider.local);
         let now = linear + frame.transform(core.support(frame.unturn(cross))).dot(cross) + core.radius * size;
         // now d + rest d^2 = gap, the positive root.
-        let rest = 0.5 * own.angle.abs() * size * self.lever;
+        let rest = 0.5 * size * (own.swing.angle.abs() * self.lever + self.twist);
         let root = libm::sqrt(now * now + 4.0 * rest * gap);
         let divisor = root + now;
         let by_now = if divisor > 0.0 { 2.0 * gap / divisor } else { by_fastest };
@@ -276,7 +294,7 @@ impl<'a> Mover<'a> {
         let span = length(to - from);
         let direction = if span > 0.0 { (to - from) / span } else { DVec3::ZERO };
         // Seen from what turns the way is bent, by less than its ends are swept.
-        let sag = other.course.angle.abs() * (greater(length(from), length(to)) + length(other.local.position));
+        let sag = other.course.most() * (greater(length(from), length(to)) + length(other.local.position));
         let reach = DVec3::splat(self.reach + 2.0 * self.gap + sag);
         ((from, direction, span), (-reach, reach))
     }
@@ -319,6 +337,20 @@ pub(crate) fn impact(
         }
         _ => mover.meets((&Wall::Convex(Core::new(&other.shape)?), &place), limit),
     }
+}
+
+/// The greatest distance of a point of a shape from an axis through its body's center, at the start, metres.
+fn lever(rider: &Rider<'_, Core<'_>>, axis: DVec3) -> f64 {
+    let frame = rider.course.start.at(DVec3::ZERO).after(&rider.local);
+    let away = if axis.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
+    let first = axis.cross(away);
+    let first = first / length(first);
+    let second = axis.cross(first);
+    let core = rider.shape;
+    let along = |d: DVec3| frame.transform(core.support(frame.unturn(d))).dot(d) + core.radius;
+    let most = |d: DVec3| greater(along(d), along(-d));
+    let (x, y) = (most(first), most(second));
+    libm::sqrt(x * x + y * y)
 }
 
 /// How far along a way a fraction of the step reaches, metres; without end where there is no way.
