@@ -47,8 +47,8 @@ const TURN_FLOOR: f32 = 0.02;
 const FAST_BODIES: usize = 8;
 /// Stands for a body that is not stopped.
 const NEVER: f64 = 2.0;
-/// Turn in a step from which on a quaternion leaves open how often the body went around, radians.
-const AROUND: f64 = 3.0;
+/// Turn in a step from which on a body's way follows from its velocity and not from its last orientation, radians.
+const TURN_MAX: f64 = 2.0;
 
 /// What tells whether a body is fast.
 pub(crate) struct Race<'a> {
@@ -172,8 +172,12 @@ fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): 
     motion.center = origin.center.plus_wide(course.way * stop);
     let turn = |turn: Turn, share: f64| Rotation::from_rotation_vector(narrowed(turn.axis * (turn.angle * share)));
     let start = turn(course.twist, stop).after(origin.rotation);
-    motion.rotation = turn(course.swing, stop).after(start).normalized();
-    motion.angular = turn(course.swing, stop - 1.0).rotate(motion.angular);
+    let rotation = turn(course.swing, stop).after(start).normalized();
+    if let Some((axis, _)) = odd_axis(row) {
+        let (before, after) = (Quaternion::of(motion.rotation).rotate(axis), Quaternion::of(rotation).rotate(axis));
+        motion.angular = narrowed(Quaternion::about(swing_between(before, after)).rotate(widened(motion.angular)));
+    }
+    motion.rotation = rotation;
     row.flags &= !CHANGED_SECTOR;
     if motion.center.sector != origin.center.sector {
         row.flags |= CHANGED_SECTOR;
@@ -181,45 +185,59 @@ fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): 
     follow_stance(motion, row);
 }
 
-/// The way of a body through the step, places from `from`.
+/// The way of a body through the step, places from `from`; the angular velocity is that at the end.
+///
+/// What turns by much in the step goes on a way of its own: two orientations do not tell how it came from one to the
+/// other. It is taken to turn freely at its last velocity from its first orientation, as a symmetric top does,
+/// exactly: about its momentum by `L / I`, and about the odd axis by what is left. Then the point that meets a surface is
+/// one that comes nearer by the body's velocities, and the contact of the next step has something to stop.
 fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: f32) -> Course {
     let start = Frame::new(origin.center.minus_wide(from), origin.rotation);
     let way = end.center.minus_wide(origin.center);
-    let (swing, twist) = turns_between((origin.rotation, end.rotation), row, widened(end.angular * dt));
+    let turn = widened(end.angular) * f64::from(dt);
+    let odd = odd_axis(row);
+    let (first, last) = (Quaternion::of(origin.rotation), Quaternion::of(end.rotation));
+    let (swing, twist) = if turn.dot(turn) < TURN_MAX * TURN_MAX {
+        turns_between(first, last, odd)
+    } else if let Some((axis, ratio)) = odd {
+        let (before, after) = (first.rotate(axis), last.rotate(axis));
+        let turn = Quaternion::about(swing_between(after, before)).rotate(turn);
+        let spin = turn.dot(before);
+        let swing = turn + before * (spin * (ratio - 1.0));
+        let twist = Turn { axis: before, angle: spin * (1.0 - ratio) };
+        (Turn::of(swing), twist)
+    } else {
+        (Turn::of(turn), Turn::NONE)
+    };
     Course { start, way, swing, twist }
 }
 
-/// The turn from one orientation to another: the least one that takes the axis of the odd moment of inertia along, and a
-/// twist about that axis. A body spins about it as fast as it likes, and swings slowly. Of a body without such an axis all
-/// is swing. Beyond half a turn the swing is the one next to that of the angular velocity times the step.
-fn turns_between((from, to): (Rotation, Rotation), row: &BodyRow, expected: DVec3) -> (Turn, Turn) {
-    let (from, to) = (Quaternion::of(from), Quaternion::of(to));
+/// The axis of the moment of inertia that stands out, in the body's frame, and its moment over the mean of the others.
+fn odd_axis(row: &BodyRow) -> Option<(DVec3, f64)> {
     let i = row.inertia;
-    let whole = to.after(from.inverse());
     if i.x == i.y && i.y == i.z {
-        let swing = whole.turn(None);
-        return (Turn { angle: next_to(expected.dot(swing.axis), swing.angle), ..swing }, Turn::NONE);
+        return None;
     }
-    let axes = row.axes.after(split_frame(i).0);
-    let odd = widened(axes.rotate(Vec3::Z));
-    let (before, after) = (from.rotate(odd), to.rotate(odd));
-    let across = before.cross(after);
-    let sine = length(across);
-    let swing = if sine > 0.0 {
-        let axis = across / sine;
-        let angle = libm::atan2(sine, before.dot(after));
-        Turn { axis, angle: next_to(expected.dot(axis), angle) }
-    } else {
-        Turn::NONE
-    };
-    let twist = Quaternion::about(swing).inverse().after(whole).turn(Some(before));
-    (swing, twist)
+    let (frame, moments) = split_frame(i);
+    let axis = widened(row.axes.after(frame).rotate(Vec3::Z));
+    Some((axis, 2.0 * f64::from(moments.z) / (f64::from(moments.x) + f64::from(moments.y))))
 }
 
-/// Of the angles that differ by whole turns the one next to what is expected, if that is half a turn or more.
-fn next_to(expected: f64, angle: f64) -> f64 {
-    let tau = 2.0 * core::f64::consts::PI;
-    if expected.abs() < AROUND { angle } else { angle + tau * libm::rint((expected - angle) / tau) }
+/// The least turn that takes one unit vector to another.
+fn swing_between(before: DVec3, after: DVec3) -> Turn {
+    let across = before.cross(after);
+    let sine = length(across);
+    if sine == 0.0 { Turn::NONE } else { Turn { axis: across / sine, angle: libm::atan2(sine, before.dot(after)) } }
+}
+
+/// The turn from one orientation to another: the least one that takes the odd axis along, and a twist about that axis. Of a
+/// body without such an axis all is swing.
+fn turns_between(from: Quaternion, to: Quaternion, odd: Option<(DVec3, f64)>) -> (Turn, Turn) {
+    let whole = to.after(from.inverse());
+    let Some((axis, _)) = odd else { return (whole.turn(None), Turn::NONE) };
+    let (before, after) = (from.rotate(axis), to.rotate(axis));
+    let swing = swing_between(before, after);
+    (swing, Quaternion::about(swing).inverse().after(whole).turn(Some(before)))
 }
 
 /// A rotation in double precision, of length 1 but for the rounding of the state.

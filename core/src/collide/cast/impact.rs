@@ -31,7 +31,7 @@ use crate::collide::tree::search::Way;
 use glam::DVec3;
 
 /// Most steps of an advance. One that takes more is taken for an impact where it ended: nothing passes.
-const STEPS_MAX: usize = 64;
+const STEPS_MAX: usize = 96;
 /// Skins, as shares of the inner radius, that are taken off one after the other.
 const SKINS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
 /// Gap at an impact as a share of the inner radius.
@@ -40,6 +40,8 @@ const GAP_SHARE: f64 = 0.05;
 /// 20 mm.
 const GAP_MIN: f64 = 2.0e-5;
 const GAP_MAX: f64 = 1.0e-3;
+/// A shape that is off the axis of a twist by less than this share of its size is on it.
+const ROUND_SHARE: f64 = 1.0e-3;
 /// Shapes touch when they are nearer than this share of the gap.
 const TOUCH_SHARE: f64 = 1.0 / 16.0;
 
@@ -54,6 +56,12 @@ pub(crate) struct Turn {
 
 impl Turn {
     pub const NONE: Self = Self { axis: DVec3::Z, angle: 0.0 };
+
+    /// The turn with a rotation vector.
+    pub fn of(vector: DVec3) -> Self {
+        let angle = length(vector);
+        if angle == 0.0 { Self::NONE } else { Self { axis: vector / angle, angle } }
+    }
 }
 
 /// How a body goes through a step: its center straight ahead, its axes at constant rates. Time is a fraction of the
@@ -79,12 +87,22 @@ impl Course {
     /// The body at a time.
     fn at(&self, time: f64) -> Frame {
         let mut frame = self.start.at(self.start.position + self.way * time);
+        // The twist first: its axis swings.
         for Turn { axis, angle } in [self.twist, self.swing] {
             if angle != 0.0 {
                 frame = frame.turned(axis, angle * time);
             }
         }
         frame
+    }
+
+    /// Rotation vector of the twist as it stands at a time.
+    fn twist_at(&self, time: f64) -> DVec3 {
+        if self.twist.angle == 0.0 {
+            return DVec3::ZERO;
+        }
+        let swing = Frame::IDENTITY.turned(self.swing.axis, self.swing.angle * time);
+        swing.turn(self.twist.axis) * self.twist.angle
     }
 
     /// The least angle that is certainly not exceeded by the turn of the step.
@@ -137,13 +155,16 @@ enum Wall<'a> {
 
 /// A moving shape, thinner and thinner, and what its motion is bounded by.
 struct Mover<'a> {
-    rider: Rider<'a, Core<'a>>,
+    core: Core<'a>,
+    local: Frame,
+    /// Without a twist that the shape does not show.
+    course: Course,
     thinner: [Core<'a>; SKINS.len()],
-    /// Greatest distance of a point from the axis of the swing, metres.
+    /// Greatest distance of a point of the core from the axis of the swing, metres.
     lever: f64,
-    /// And from the body's center.
+    /// And of a point of the shape from the body's center.
     reach: f64,
-    /// The greatest way of a point by the twist, metres.
+    /// The greatest way of a point of the core by the twist, metres.
     twist: f64,
     gap: f64,
 }
@@ -154,24 +175,38 @@ impl<'a> Mover<'a> {
         let (low, high) = core.bounds(&rider.local);
         let most = |low: f64, high: f64| greater(-low, high);
         let corner = DVec3::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z));
-        let (swing, twist) = (rider.course.swing, rider.course.twist);
+        let mut course = *rider.course;
         let reach = length(corner);
-        let twist_way = if twist.angle == 0.0 { 0.0 } else { twist.angle.abs() * lever(rider, twist.axis) };
+        let mut twist = 0.0;
+        if course.twist.angle != 0.0 {
+            twist = course.twist.angle.abs() * lever(rider, course.twist.axis);
+            let frame = course.start.at(DVec3::ZERO).after(&rider.local);
+            let off = length(frame.position.cross(course.twist.axis)) + length(core.axis_of(&frame).cross(course.twist.axis)) * reach;
+            if core.is_round() && off < ROUND_SHARE * reach {
+                (course.twist, twist) = (Turn::NONE, 0.0);
+            }
+        }
         let inner = core.inner_radius();
         let gap = lesser(greater(GAP_SHARE * inner, GAP_MIN), GAP_MAX);
         Self {
-            rider: *rider,
+            core,
+            local: rider.local,
+            course,
             thinner: SKINS.map(|share| core.eroded(share)),
             // A twist brings other points across the axis of the swing.
-            lever: if twist_way == 0.0 { lever(rider, swing.axis) } else { reach },
+            lever: if twist == 0.0 { lever(rider, course.swing.axis) } else { reach },
             reach,
-            twist: twist_way,
+            twist,
             gap,
         }
     }
 
+    fn at(&self, time: f64) -> Frame {
+        self.course.at(time).after(&self.local)
+    }
+
     fn gap(&self, core: &Core<'_>, (wall, other): (&Wall<'_>, &Rider<'_, ()>), time: f64) -> Gap {
-        let (frame, own) = (other.at(time), self.rider.at(time));
+        let (frame, own) = (other.at(time), self.at(time));
         let b_in_a = frame.relative(&own);
         match wall {
             Wall::HalfSpace => {
@@ -198,9 +233,8 @@ impl<'a> Mover<'a> {
         (other, time): (&Rider<'_, ()>, f64),
         (gap, normal): (f64, DVec3),
     ) -> f64 {
-        let (own, theirs) = (self.rider.course, other.course);
+        let (own, theirs) = (&self.course, other.course);
         let mut linear = normal.dot(own.way - theirs.way);
-        linear += self.twist;
         if theirs.most() != 0.0 {
             // Seen from a body that turns all else turns about it. The distance of two centers is greatest at an end.
             let apart = |t: f64| length(own.at(t).position - theirs.at(t).position);
@@ -208,15 +242,20 @@ impl<'a> Mover<'a> {
         }
         let cross = normal.cross(own.swing.axis * own.swing.angle);
         let size = length(cross);
-        let fastest = linear + size * self.lever;
+        let fastest = linear + size * self.lever + self.twist;
         let by_fastest = if fastest > 0.0 { gap / fastest } else { f64::INFINITY };
-        if size == 0.0 {
+        if size == 0.0 && self.twist == 0.0 {
             return by_fastest;
         }
-        let frame = self.rider.course.at(time).at(DVec3::ZERO).after(&self.rider.local);
-        let now = linear + frame.transform(core.support(frame.unturn(cross))).dot(cross) + core.radius * size;
+        let frame = own.at(time).at(DVec3::ZERO).after(&self.local);
+        let cross = cross + normal.cross(own.twist_at(time));
+        let now = linear + frame.transform(core.support(frame.unturn(cross))).dot(cross);
         // now d + rest d^2 = gap, the positive root.
-        let rest = 0.5 * size * (own.swing.angle.abs() * self.lever + self.twist);
+        let rest = if self.twist == 0.0 {
+            0.5 * size * own.swing.angle.abs() * self.lever
+        } else {
+            0.5 * own.most() * own.most() * self.reach
+        };
         let root = libm::sqrt(now * now + 4.0 * rest * gap);
         let divisor = root + now;
         let by_now = if divisor > 0.0 { 2.0 * gap / divisor } else { by_fastest };
@@ -235,7 +274,7 @@ impl<'a> Mover<'a> {
         if found.distance <= self.gap * TOUCH_SHARE {
             return Outcome::Touches;
         }
-        let target = lesser(self.gap, 0.5 * found.distance);
+        let target = self.gap;
         for _ in 0..STEPS_MAX {
             let closes = self.free_time(core, (wall.1, time), (1.0, found.normal));
             if closes == f64::INFINITY {
@@ -263,7 +302,7 @@ impl<'a> Mover<'a> {
 
     /// When the shape meets a wall, as far as contacts alone cannot stop it; at most the limit.
     fn meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
-        match self.advance(&self.rider.shape, wall, (0.0, limit)) {
+        match self.advance(&self.core, wall, (0.0, limit)) {
             Outcome::Clear => None,
             Outcome::Meets(time) => {
                 let [skinless, ..] = &self.thinner;
@@ -289,8 +328,8 @@ impl<'a> Mover<'a> {
     /// its length; and how far from the center anything can be met.
     fn way(&self, other: &Rider<'_, ()>) -> ((DVec3, DVec3, f64), (DVec3, DVec3)) {
         let (first, last) = (other.at(0.0), other.at(1.0));
-        let from = first.untransform(self.rider.course.start.position);
-        let to = last.untransform(self.rider.course.at(1.0).position);
+        let from = first.untransform(self.course.start.position);
+        let to = last.untransform(self.course.at(1.0).position);
         let span = length(to - from);
         let direction = if span > 0.0 { (to - from) / span } else { DVec3::ZERO };
         // Seen from what turns the way is bent, by less than its ends are swept.
@@ -339,7 +378,7 @@ pub(crate) fn impact(
     }
 }
 
-/// The greatest distance of a point of a shape from an axis through its body's center, at the start, metres.
+/// The greatest distance of a point of a shape's core from an axis through its body's center, at the start, metres.
 fn lever(rider: &Rider<'_, Core<'_>>, axis: DVec3) -> f64 {
     let frame = rider.course.start.at(DVec3::ZERO).after(&rider.local);
     let away = if axis.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
@@ -347,7 +386,7 @@ fn lever(rider: &Rider<'_, Core<'_>>, axis: DVec3) -> f64 {
     let first = first / length(first);
     let second = axis.cross(first);
     let core = rider.shape;
-    let along = |d: DVec3| frame.transform(core.support(frame.unturn(d))).dot(d) + core.radius;
+    let along = |d: DVec3| frame.transform(core.support(frame.unturn(d))).dot(d);
     let most = |d: DVec3| greater(along(d), along(-d));
     let (x, y) = (most(first), most(second));
     libm::sqrt(x * x + y * y)

@@ -68,6 +68,22 @@ impl<'a> Core<'a> {
         }
     }
 
+    /// True for a shape that a turn about its z axis leaves as it is.
+    pub fn is_round(&self) -> bool {
+        match &self.kind {
+            Kind::Shape(core) | Kind::Scaled(core, ..) => !matches!(core, support::Core::Hull(_)),
+            Kind::Box(_) | Kind::Triangle(_) => false,
+        }
+    }
+
+    /// The axis about which a round shape at a frame is round: none of a ball.
+    pub fn axis_of(&self, frame: &Frame) -> DVec3 {
+        match &self.kind {
+            Kind::Shape(support::Core::Point) => DVec3::ZERO,
+            _ => frame.turn(DVec3::Z),
+        }
+    }
+
     /// The radius of the greatest ball inside the shape, or of a fair one, metres.
     pub fn inner_radius(&self) -> f64 {
         self.radius
