@@ -157,7 +157,7 @@ pub(crate) fn run<E: Executor>(
     });
     drop(tasks);
     for (&body, &stop) in scratch.fast[..count].iter().zip(&scratch.stops[..count]) {
-        if stop < 1.0 {
+        if stop <= 1.0 {
             let slot = body as usize;
             cut(&scratch.origins[slot], (&mut state.motions[slot], &mut state.bodies[slot]), (stop, dt));
             counts.cut += 1;
@@ -197,7 +197,8 @@ fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: 
     let turn = widened(end.angular) * f64::from(dt);
     let odd = odd_axis(row);
     let (first, last) = (Quaternion::of(origin.rotation), Quaternion::of(end.rotation));
-    let (swing, twist) = if turn.dot(turn) < TURN_MAX * TURN_MAX {
+    let loose = turn.dot(turn) >= TURN_MAX * TURN_MAX;
+    let (swing, twist) = if !loose {
         turns_between(first, last, odd)
     } else if let Some((axis, ratio)) = odd {
         let (before, after) = (first.rotate(axis), last.rotate(axis));
@@ -209,7 +210,8 @@ fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: 
     } else {
         (Turn::of(turn), Turn::NONE)
     };
-    Course { start, way, swing, twist }
+    let end = loose.then(|| Frame::new(end.center.minus_wide(from), end.rotation));
+    Course { start, way, swing, twist, end }
 }
 
 /// The axis of the moment of inertia that stands out, in the body's frame, and its moment over the mean of the others.

@@ -76,12 +76,14 @@ pub(crate) struct Course {
     pub swing: Turn,
     /// The turn about an axis of the body, given as it stands at the start.
     pub twist: Turn,
+    /// Where the body is at the end if that is not where its course leads.
+    pub end: Option<Frame>,
 }
 
 impl Course {
     /// One that stays.
     pub fn still(frame: Frame) -> Self {
-        Self { start: frame, way: DVec3::ZERO, swing: Turn::NONE, twist: Turn::NONE }
+        Self { start: frame, way: DVec3::ZERO, swing: Turn::NONE, twist: Turn::NONE, end: None }
     }
 
     /// The body at a time.
@@ -154,6 +156,7 @@ enum Wall<'a> {
 }
 
 /// A moving shape, thinner and thinner, and what its motion is bounded by.
+#[derive(Clone, Copy)]
 struct Mover<'a> {
     core: Core<'a>,
     local: Frame,
@@ -302,6 +305,18 @@ impl<'a> Mover<'a> {
 
     /// When the shape meets a wall, as far as contacts alone cannot stop it; at most the limit.
     fn meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+        self.first_meeting(wall, limit).or_else(|| (limit >= 1.0 && self.ends_inside(wall)).then_some(1.0))
+    }
+
+    /// True when the body's last place is no end of its course, and in the wall where its first place was not.
+    fn ends_inside(&self, wall: (&Wall<'_>, &Rider<'_, ()>)) -> bool {
+        let Some(end) = self.course.end else { return false };
+        let thinner = &self.thinner[0];
+        let last = Self { course: Course::still(end), ..*self };
+        last.gap(thinner, wall, 1.0).distance <= 0.0 && self.gap(thinner, wall, 0.0).distance > 0.0
+    }
+
+    fn first_meeting(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
         match self.advance(&self.core, wall, (0.0, limit)) {
             Outcome::Clear => None,
             Outcome::Meets(time) => {
