@@ -5,6 +5,7 @@
 //! ```
 //! Every stage takes the views it needs and an executor; a stage's tasks own what they write.
 
+pub(crate) mod approach;
 pub(crate) mod assembly;
 pub(crate) mod broadphase;
 pub(crate) mod contacts;

@@ -23,7 +23,7 @@ fn nothing_passes_a_wall() {
 fn without() {
     for wall in Wall::ALL {
         for kind in shots::KINDS {
-            let report = shots::fire(wall, kind, 1, false);
+            if std::env::var("ONE").is_ok_and(|o| o != format!("{wall:?}{kind:?}")) { continue; } let report = shots::fire(wall, kind, 1, false);
             println!("{wall:?} {kind:?}: {report:?}");
         }
     }

@@ -13,7 +13,6 @@ use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::lanes::Words;
 use crate::math::{Pose, Rotation, Vec3, length, sqrt};
-use crate::pipeline::continuous::{FAST_SHARE, WAY_FLOOR, inner_radius};
 use crate::pipeline::solid;
 use crate::shape::{GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HULL, GEOMETRY_SPHERE, ShapeRow};
 use crate::state::{AssetTables, ContactRow, Memo, Pair, Reach};
@@ -25,8 +24,6 @@ const DRIFT_MAX: f32 = SPECULATIVE_DISTANCE / 4.0;
 /// Farthest that one body of a settled contact may move against the other in a step, metres. Faster than that,
 /// impulses are large, and arms that lag behind the bodies would give them an angular momentum of their own.
 const SLOW_MAX: f32 = DRIFT_MAX / 4.0;
-/// Turn in a step, radians, up to which fast bodies are taken to come as they stand.
-const TURN_MAX: f32 = 0.25;
 /// Drift as a share of the smaller shape's radius.
 const DRIFT_SHARE: f32 = 1.0 / 64.0;
 
@@ -72,8 +69,19 @@ impl Scene<'_> {
         self.reaches[shape as usize].flags & Reach::DYNAMIC != 0
     }
 
-    fn motion(&self, shape: u32) -> &Motion {
+    pub fn motion(&self, shape: u32) -> &Motion {
         &self.motions[self.reaches[shape as usize].body as usize]
+    }
+
+    /// The frame of a shape in world axes, from its body's center.
+    pub fn frame(&self, shape: u32) -> Pose {
+        frame_of(self.frames[shape as usize])
+    }
+
+    /// How B moves against A in `dt` seconds, in A's frame, metres.
+    pub fn motion_between(&self, [a, b]: [u32; 2], dt: f32) -> Vec3 {
+        let motion = (self.motion(b).linear - self.motion(a).linear) * dt;
+        self.frame(a).rotation.unrotate(motion)
     }
 
     /// The shapes of a pair in the order in which they are collided: the richer one first, of equals the lower
@@ -134,24 +142,10 @@ impl Meeting {
         self.way <= SLOW_MAX && self.turns * squared <= SLOW_MAX * SLOW_MAX
     }
 
-    /// True when the shapes go by each other by more than a share of their thickness in this step, or turn by much.
-    #[inline]
-    pub fn is_fast(&self, shapes: (&ShapeRow, &ShapeRow), assets: &AssetTables<'_>) -> bool {
-        self.turns > TURN_MAX * TURN_MAX || self.way > WAY_FLOOR && self.passes(shapes, assets)
-    }
-
-    #[inline(never)]
-    fn passes(&self, (a, b): (&ShapeRow, &ShapeRow), assets: &AssetTables<'_>) -> bool {
-        let thickness = |shape: &ShapeRow| if shape.is_surface() { f32::MAX } else { inner_radius(shape, assets) };
-        self.way > FAST_SHARE * crate::math::min(thickness(a), thickness(b))
-    }
-
-    /// Points at the poses now. Bodies are stopped at the surface, not behind it: look as far as they come. Of those
-    /// that are fast and turn the points would be others by then: they are stopped when they come.
-    pub fn collide(&self, solids: (&Solid<'_>, &Solid<'_>), fast: bool, found: &mut Manifolds) {
+    /// Points at the poses now. Bodies are stopped at the surface, not behind it: look as far as they come.
+    pub fn collide(&self, solids: (&Solid<'_>, &Solid<'_>), found: &mut Manifolds) {
         let pose = Pose::new(self.b_in_a.position, self.b_in_a.rotation.renormalized());
-        let ahead = if fast && self.turns > TURN_MAX * TURN_MAX { 0.0 } else { self.way };
-        collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE + ahead, found);
+        collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE + self.way, found);
     }
 
     /// True when the pose is still within the drift of a settled contact with this base.

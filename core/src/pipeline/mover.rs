@@ -58,7 +58,7 @@ pub(crate) struct MoverRow {
 const SLENDER: f32 = 2.0;
 /// Share of the energy of a blow that may be told wrong before the seats of a slender top have the view of a body that
 /// did not turn: the square of the turn of its long axis times the ratio of the moments, less 1.
-const VIEW_ERROR: f32 = 0.02;
+const VIEW_ERROR: f32 = 0.1;
 
 impl MoverRow {
     /// The row of bodies at the start of a step of `substep` seconds per substep, and their seats; where `entry`

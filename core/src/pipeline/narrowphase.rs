@@ -7,7 +7,8 @@
 use crate::collide::{MANIFOLDS_MAX, Manifold, Manifolds, POINTS_MAX};
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
-use crate::math::{Pose, max, sqrt};
+use crate::math::{Pose, Vec3, max, sqrt};
+use crate::pipeline::approach::{self, Approach};
 use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
@@ -179,11 +180,25 @@ struct Found<'a> {
     meeting: Meeting,
     /// Whether the solver's A is B.
     exchanged: bool,
-    /// Whether the shapes go by each other by more than a share of their thickness.
-    fast: bool,
+    approach: Approach,
+    /// How far B moves against A until they stand as their contacts were found, in A's frame, metres.
+    way: Vec3,
 }
 
 impl Found<'_> {
+    /// The memo of one of the pair's manifolds, found at a pose of B in A's frame less the way.
+    fn memo(&self, manifold: &Manifold, b_in_a: &Pose, settled: bool) -> Memo {
+        if self.way == Vec3::ZERO {
+            return meeting::memo(manifold, b_in_a, self.exchanged, settled);
+        }
+        let touch = Pose::new(b_in_a.position + self.way, b_in_a.rotation);
+        let mut memo = meeting::memo(manifold, &touch, self.exchanged, settled);
+        for (tail, point) in memo.tail.iter_mut().zip(&manifold.points) {
+            *tail = (point.separation - manifold.normal.dot(self.way)).to_bits();
+        }
+        memo
+    }
+
     fn touch(&self, settled: bool) -> Touch {
         let Found { slots, shapes: (a, b), meeting, exchanged, .. } = self;
         let shapes = if *exchanged { [slots[1], slots[0]] } else { *slots };
@@ -192,10 +207,10 @@ impl Found<'_> {
             friction: sqrt(a.friction * b.friction),
             restitution: max(a.restitution, b.restitution),
             centers: if *exchanged { -meeting.centers } else { meeting.centers },
-            settled: match (settled, self.fast) {
+            settled: match (settled, self.approach) {
                 (true, _) => Touch::SETTLED,
-                (_, true) => Touch::FAST,
-                _ => 0.0,
+                (_, Approach::Slow) => 0.0,
+                _ => Touch::FAST,
             },
         }
     }
@@ -257,8 +272,12 @@ impl Task<'_> {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
         let meeting = Meeting::new(&look.scene, slots, look.dt);
-        let fast = look.continuous && meeting.is_fast(shapes, look.assets);
-        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots), fast };
+        let approach = if look.continuous {
+            Approach::new(&look.scene, &meeting, (slots, look.assets, look.dt))
+        } else {
+            Approach::Slow
+        };
+        let mut found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots), approach, way: Vec3::ZERO };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);
@@ -287,7 +306,12 @@ impl Task<'_> {
                 self.take_over(look, &found, (manifold, &base, Some(memory)), olds);
             }
         } else {
-            found.meeting.collide(solids, fast, manifolds);
+            if approach == Approach::Slow {
+                found.meeting.collide(solids, manifolds);
+            } else {
+                let motion = look.scene.motion_between(slots, look.dt);
+                found.way = approach::collide(&found.meeting, solids, (approach, motion), manifolds);
+            }
             if self.goes_on(look, (&found, first), manifolds) {
                 return;
             }
@@ -323,7 +347,7 @@ impl Task<'_> {
             && row.tag.points() == count
             && row.memory == [features[0], features[1], features[2], features[3], 0];
         if same {
-            self.memos[first] = meeting::memo(manifold, &found.meeting.b_in_a, found.exchanged, false);
+            self.memos[first] = found.memo(manifold, &found.meeting.b_in_a, false);
             self.touches[first] = found.touch_of(manifold, false, look.assets);
         }
         same
@@ -375,7 +399,7 @@ impl Task<'_> {
         };
         let old = olds.iter().find(|old| old.row.tag.child() == manifold.child);
         carry_over(&mut row, &features, old, olds);
-        let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
+        let memo = found.memo(manifold, b_in_a, base.is_some());
         let touch = found.touch_of(manifold, base.is_some(), look.assets);
         if let Some(old) = old {
             self.rows[old.place] = row;

@@ -139,7 +139,7 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
         let slots = scene.in_order(pair);
         let solids = slots.map(|slot| solid(&state.shapes[slot as usize], assets));
         found.clear();
-        Meeting::new(&scene, slots, dt).collide((&solids[0], &solids[1]), false, &mut found);
+        Meeting::new(&scene, slots, dt).collide((&solids[0], &solids[1]), &mut found);
         if !found.is_empty() {
             scratch.marks[sleeper] = WAKE;
             any = true;
