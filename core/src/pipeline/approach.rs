@@ -12,7 +12,7 @@
 use crate::collide::cast::children::Parts;
 use crate::collide::cast::frame::{Frame, length, narrowed, widened};
 use crate::collide::cast::sweep::{self, Moving};
-use crate::collide::{self, Manifolds, Solid};
+use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::math::{Pose, Vec3, min};
 use crate::pipeline::continuous::{FAST_SHARE, WAY_FLOOR, inner_radius};
@@ -23,6 +23,9 @@ use glam::DVec3;
 
 /// Turn in a step, radians, up to which shapes are taken to come as they stand.
 const TURN_MAX: f32 = 0.25;
+
+/// How far behind the plane of a contact shapes may be that do not touch, metres: rounding.
+const PASS_DEPTH: f32 = 1.0e-5;
 
 /// How two shapes come to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,14 +83,38 @@ pub(crate) fn collide(
     found: &mut Manifolds,
 ) -> Vec3 {
     let pose = Pose::new(meeting.b_in_a.position, meeting.b_in_a.rotation.renormalized());
-    let way = if approach == Approach::Straight { way_to_touch(solids, &pose, motion) } else { Vec3::ZERO };
+    if approach == Approach::Turning {
+        collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE, found);
+        return Vec3::ZERO;
+    }
+    let Some(way) = way_to_touch(solids, &pose, motion) else {
+        collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE, found);
+        drop_passed(motion, found);
+        return Vec3::ZERO;
+    };
     let touch = Pose::new(pose.position + way, pose.rotation);
     collide::collide(solids.0, solids.1, &touch, SPECULATIVE_DISTANCE, found);
     way
 }
 
-/// How far B moves against A until they touch; zero when they do not in this step.
-fn way_to_touch((a, b): (&Solid<'_>, &Solid<'_>), b_in_a: &Pose, motion: Vec3) -> Vec3 {
+/// Of shapes that do not touch on their way, drops the contacts whose plane is crossed all the same: beside a corner.
+fn drop_passed(motion: Vec3, found: &mut Manifolds) {
+    let is_passed = |manifold: &Manifold| {
+        let nearer = manifold.normal.dot(motion);
+        manifold.points.iter().any(|point| point.separation + nearer < -PASS_DEPTH)
+    };
+    let mut kept = 0;
+    for i in 0..found.len() {
+        if !is_passed(&found[i]) {
+            found.swap(kept, i);
+            kept += 1;
+        }
+    }
+    found.truncate(kept);
+}
+
+/// How far B moves against A until they touch; `None` when they do not in this step.
+fn way_to_touch((a, b): (&Solid<'_>, &Solid<'_>), b_in_a: &Pose, motion: Vec3) -> Option<Vec3> {
     let (frame, way) = (Frame::of(b_in_a), widened(motion));
     let contact = match Parts::new(b) {
         Some(parts) => first_touch(a, &parts, (&frame, way)),
@@ -96,7 +123,7 @@ fn way_to_touch((a, b): (&Solid<'_>, &Solid<'_>), b_in_a: &Pose, motion: Vec3) -
             first_touch(b, &parts, (&frame.relative(&Frame::IDENTITY), -frame.unturn(way)))
         }),
     };
-    contact.map_or(Vec3::ZERO, |share| narrowed(way * share))
+    contact.map(|share| narrowed(way * share))
 }
 
 /// The share of a motion after which the parts of a solid touch another one.

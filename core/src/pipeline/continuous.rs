@@ -32,7 +32,8 @@ use crate::pipeline::integration::split_frame;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::shape::{
-    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_HULL, GEOMETRY_ROUNDED_HULL, GEOMETRY_SPHERE, ShapeRow,
+    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_HULL, GEOMETRY_ROUNDED_HULL, GEOMETRY_SPHERE,
+    ShapeRow,
 };
 use crate::state::{AssetTables, Cache, Scratch, State};
 use glam::DVec3;
@@ -170,12 +171,15 @@ pub(crate) fn run<E: Executor>(
 fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): (f64, f32)) {
     let course = course(origin.center, (origin, motion, row), dt);
     motion.center = origin.center.plus_wide(course.way * stop);
-    let turn = |turn: Turn, share: f64| Rotation::from_rotation_vector(narrowed(turn.axis * (turn.angle * share)));
+    let turn =
+        |turn: Turn, share: f64| Rotation::from_rotation_vector(narrowed(turn.axis * (turn.angle * share)));
     let start = turn(course.twist, stop).after(origin.rotation);
     let rotation = turn(course.swing, stop).after(start).normalized();
     if let Some((axis, _)) = odd_axis(row) {
-        let (before, after) = (Quaternion::of(motion.rotation).rotate(axis), Quaternion::of(rotation).rotate(axis));
-        motion.angular = narrowed(Quaternion::about(swing_between(before, after)).rotate(widened(motion.angular)));
+        let (before, after) =
+            (Quaternion::of(motion.rotation).rotate(axis), Quaternion::of(rotation).rotate(axis));
+        motion.angular =
+            narrowed(Quaternion::about(swing_between(before, after)).rotate(widened(motion.angular)));
     }
     motion.rotation = rotation;
     row.flags &= !CHANGED_SECTOR;
@@ -229,7 +233,11 @@ fn odd_axis(row: &BodyRow) -> Option<(DVec3, f64)> {
 fn swing_between(before: DVec3, after: DVec3) -> Turn {
     let across = before.cross(after);
     let sine = length(across);
-    if sine == 0.0 { Turn::NONE } else { Turn { axis: across / sine, angle: libm::atan2(sine, before.dot(after)) } }
+    if sine == 0.0 {
+        Turn::NONE
+    } else {
+        Turn { axis: across / sine, angle: libm::atan2(sine, before.dot(after)) }
+    }
 }
 
 /// The turn from one orientation to another: the least one that takes the odd axis along, and a twist about that axis. Of a
@@ -280,7 +288,8 @@ impl Quaternion {
 
     /// Axis and angle, at most half a turn; about a given unit axis what there is about it.
     fn turn(self, axis: Option<DVec3>) -> Turn {
-        let (v, w) = if self.real < 0.0 { (-self.imaginary, -self.real) } else { (self.imaginary, self.real) };
+        let (v, w) =
+            if self.real < 0.0 { (-self.imaginary, -self.real) } else { (self.imaginary, self.real) };
         if let Some(axis) = axis {
             return Turn { axis, angle: 2.0 * libm::atan2(v.dot(axis), w) };
         }
@@ -372,9 +381,8 @@ impl Chase<'_> {
             Rider { shape: solid(shape, self.assets), local: local_frame(row, shape), course: &theirs };
         parts.at(local).fold(best, |best, (core, local)| {
             let limit = if best < 1.0 { best } else { 1.0 };
-            impact(&wall, &Rider { shape: core, local, course }, limit).map_or(best, |time| {
-                if time < best { time } else { best }
-            })
+            impact(&wall, &Rider { shape: core, local, course }, limit)
+                .map_or(best, |time| if time < best { time } else { best })
         })
     }
 }

@@ -8,8 +8,8 @@ use crate::constraint::row::{LinkRow, PointRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
-use crate::pipeline::continuous::{self, Race};
 use crate::pipeline::Counts;
+use crate::pipeline::continuous::{self, Race};
 use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
 use crate::pipeline::layout::Plan;
@@ -228,7 +228,11 @@ impl Results<'_> {
             center: motion.center.plus(displacement),
             rotation,
             linear: Vec3::new(u[0], u[1], u[2]),
-            angular: angular_velocity((&self.active[index], motion, row), (whitened, mover.view(lane)), rotation),
+            angular: angular_velocity(
+                (&self.active[index], motion, row),
+                (whitened, mover.view(lane)),
+                rotation,
+            ),
         };
         row.force = Vec3::ZERO;
         row.torque = Vec3::ZERO;

@@ -258,7 +258,9 @@ impl MoverRow {
             let (u, v) = (seat.velocity.to_array(), star.to_array());
             let viewed = self.view.get(lane) != self.axis.get(lane);
             any |= viewed;
-            if 2.0 * (1.0 - cosine.get(lane)) * self.far.get(lane) > VIEW_ERROR && (viewed || u[4..7] != v[4..7]) {
+            if 2.0 * (1.0 - cosine.get(lane)) * self.far.get(lane) > VIEW_ERROR
+                && (viewed || u[4..7] != v[4..7])
+            {
                 view.set(lane, third.get(lane));
                 any = true;
             }

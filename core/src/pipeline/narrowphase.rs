@@ -277,7 +277,15 @@ impl Task<'_> {
         } else {
             Approach::Slow
         };
-        let mut found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots), approach, way: Vec3::ZERO };
+        let mut found = Found {
+            pair,
+            slots,
+            shapes,
+            meeting,
+            exchanged: look.are_exchanged(slots),
+            approach,
+            way: Vec3::ZERO,
+        };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);

@@ -5,8 +5,8 @@ use super::joints::remove_joints_of;
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::{
-    self, ASLEEP, AxisLocks, BULLET, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
-    Position, SLEEPLESS, STOPS_AFTER_STEP,
+    self, ASLEEP, AxisLocks, BULLET, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties,
+    Motion, Position, SLEEPLESS, STOPS_AFTER_STEP,
 };
 use crate::collide::mass::MassAccumulator;
 use crate::error::Error;

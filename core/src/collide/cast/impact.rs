@@ -184,7 +184,8 @@ impl<'a> Mover<'a> {
         if course.twist.angle != 0.0 {
             twist = course.twist.angle.abs() * lever(rider, course.twist.axis);
             let frame = course.start.at(DVec3::ZERO).after(&rider.local);
-            let off = length(frame.position.cross(course.twist.axis)) + length(core.axis_of(&frame).cross(course.twist.axis)) * reach;
+            let off = length(frame.position.cross(course.twist.axis))
+                + length(core.axis_of(&frame).cross(course.twist.axis)) * reach;
             if core.is_round() && off < ROUND_SHARE * reach {
                 (course.twist, twist) = (Turn::NONE, 0.0);
             }
@@ -356,11 +357,7 @@ impl<'a> Mover<'a> {
 
 /// When a convex shape meets another body's shape so that contacts alone may not stop it: the fraction of the step at
 /// which they are a small gap apart. Meetings later than `limit` may be left out.
-pub(crate) fn impact(
-    other: &Rider<'_, Solid<'_>>,
-    rider: &Rider<'_, Core<'_>>,
-    limit: f64,
-) -> Option<f64> {
+pub(crate) fn impact(other: &Rider<'_, Solid<'_>>, rider: &Rider<'_, Core<'_>>, limit: f64) -> Option<f64> {
     let mover = Mover::new(rider);
     let place = Rider { shape: (), local: other.local, course: other.course };
     match other.shape {
