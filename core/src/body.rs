@@ -301,17 +301,6 @@ pub(crate) const SLEEPLESS: u32 = 1 << 14;
 pub(crate) const BULLET: u32 = 1 << 15;
 /// Bits of the number of steps that the body has been quiet.
 pub(crate) const QUIET_SHIFT: u32 = 16;
-pub(crate) const FLAGS_ALL: u32 = KIND_MASK
-    | GIVEN_MASS
-    | QUARANTINED
-    | CHANGED_SECTOR
-    | STOPS_AFTER_STEP
-    | (63 << LOCKS_SHIFT)
-    | ASLEEP
-    | WAKES
-    | SLEEPLESS
-    | BULLET
-    | (0xffff << QUIET_SHIFT);
 
 impl BodyRow {
     #[inline(always)]

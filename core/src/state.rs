@@ -307,8 +307,8 @@ pub(crate) struct Touch {
 }
 
 impl Touch {
-    /// The separations follow from the memo's points and the poses, and arms from the stances; else the memo gives the
-    /// separations.
+    /// The separations follow from the memo's points and the poses, and arms from the stances; else the memo gives
+    /// the separations.
     pub const SETTLED: f32 = 1.0;
     /// The bodies come from far: the point of contact is A's, and not in the middle between the two points.
     pub const FAST: f32 = 0.5;

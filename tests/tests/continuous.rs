@@ -1,7 +1,8 @@
-//! Continuous collision: nothing passes through a wall, however fast, and nothing that passes beside one is disturbed.
+//! Continuous collision: nothing passes through a wall, however fast, and nothing that passes beside one is
+//! disturbed.
 //!
-//! The oracle knows no shape of the engine's: a wall is a plane here, and a body is on one side of it with its center and
-//! with all points of a cloud that spans its shape.
+//! The oracle knows no shape of the engine's: a wall is a plane here, and a body is on one side of it with its
+//! center and with all points of a cloud that spans its shape.
 
 #[path = "continuous/beside.rs"]
 mod beside;

@@ -1,10 +1,10 @@
 //! Two shapes of which one is fast: where they will touch in the coming step, and not where they are nearest now.
 //!
-//! Slow shapes have contacts where they are nearest, along the normal there, up to the distance that they come in the
-//! step. For a fast one that is the wrong place: a ball that comes along beside a wall is nearest to its corner, and
-//! would be held by a plane through that corner across its way. So a pair that passes by more than a share of its
-//! thickness is cast along its motion (`collide/cast/sweep.rs`): what it misses makes no contact, and what it hits makes the
-//! contacts that it has there, farther off by the way until then.
+//! Slow shapes have contacts where they are nearest, along the normal there, up to the distance that they come in
+//! the step. For a fast one that is the wrong place: a ball that comes along beside a wall is nearest to its
+//! corner, and would be held by a plane through that corner across its way. So a pair that passes by more than a
+//! share of its thickness is cast along its motion (`collide/cast/sweep.rs`): what it misses makes no contact, and
+//! what it hits makes the contacts that it has there, farther off by the way until then.
 //!
 //! A shape that turns meanwhile has no place from which contacts could be told in advance. It has those of where it
 //! stands, and is stopped when it comes (`continuous.rs`).
@@ -73,9 +73,9 @@ impl Approach {
     }
 }
 
-/// The contacts of two shapes that are not slow, as they stand now or as they will when they touch. Returns how far B
-/// moves against A until then, in A's frame, metres: contacts are that much farther off. `motion` is how B moves in the
-/// whole step.
+/// The contacts of two shapes that are not slow, as they stand now or as they will when they touch. Returns how far
+/// B moves against A until then, in A's frame, metres: contacts are that much farther off. `motion` is how B moves
+/// in the whole step.
 pub(crate) fn collide(
     meeting: &Meeting,
     solids: (&Solid<'_>, &Solid<'_>),
@@ -97,7 +97,8 @@ pub(crate) fn collide(
     way
 }
 
-/// Of shapes that do not touch on their way, drops the contacts whose plane is crossed all the same: beside a corner.
+/// Of shapes that do not touch on their way, drops the contacts whose plane is crossed all the same: beside a
+/// corner.
 fn drop_passed(motion: Vec3, found: &mut Manifolds) {
     let is_passed = |manifold: &Manifold| {
         let nearer = manifold.normal.dot(motion);

@@ -1,19 +1,20 @@
 //! Continuous collision: fast bodies do not pass through what contacts may miss.
 //!
 //! Contacts are found where a body is at the start of a step and hold along their normals, so they stop a body that
-//! comes straight at a surface. They miss what it meets after it has turned, bounced or been pushed aside. So at the
-//! end of the step each body that moved by more than a share of its thickness is taken along its way again
-//! (`collide/cast/impact.rs`), from the pose at the start to that at the end: its center straight ahead, its axes at a
-//! constant rate. At the first surface that it would have passed its motion ends, a hair in front, and the rest of
-//! the step's time is lost to it. Velocities stay: in the next step there is a contact, which has the impact.
+//! comes straight at a surface. They miss what it meets after it has turned, bounced or been pushed aside. So at
+//! the end of the step each body that moved by more than a share of its thickness is taken along its way again
+//! (`collide/cast/impact.rs`), from the pose at the start to that at the end: its center straight ahead, its axes
+//! at a constant rate. At the first surface that it would have passed its motion ends, a hair in front, and the
+//! rest of the step's time is lost to it. Velocities stay: in the next step there is a contact, which has the
+//! impact.
 //!
 //! - Against static and kinematic bodies always, the latter on their own way; against dynamic ones for bodies with
-//!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Of those only
-//!   bodies that are still in their fat boxes are found.
+//!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Of those
+//!   only bodies that are still in their fat boxes are found.
 //! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body.
 //! - A body that is stopped may be torn off its joints for that step; they pull it back in the next.
-//! - Where no body is fast nothing runs: a body that moves less than [`WAY_FLOOR`] and turns less than [`TURN_FLOOR`]
-//!   is not looked at.
+//! - Where no body is fast nothing runs: a body that moves less than [`WAY_FLOOR`] and turns less than
+//!   [`TURN_FLOOR`] is not looked at.
 
 use crate::body::{ASLEEP, BULLET, BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position};
 use crate::collide::Solid;
@@ -166,8 +167,8 @@ pub(crate) fn run<E: Executor>(
     }
 }
 
-/// Ends a body's motion at a fraction of the step. Velocities stay, the angular one in the view of the body's odd axis: so the
-/// energy does, where a spin about the long axis of a rod that has turned would be one across it.
+/// Ends a body's motion at a fraction of the step. Velocities stay, the angular one in the view of the body's odd
+/// axis: so the energy does, where a spin about the long axis of a rod that has turned would be one across it.
 fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): (f64, f32)) {
     let course = course(origin.center, (origin, motion, row), dt);
     motion.center = origin.center.plus_wide(course.way * stop);
@@ -191,10 +192,11 @@ fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): 
 
 /// The way of a body through the step, places from `from`; the angular velocity is that at the end.
 ///
-/// What turns by much in the step goes on a way of its own: two orientations do not tell how it came from one to the
-/// other. It is taken to turn freely at its last velocity from its first orientation, as a symmetric top does,
-/// exactly: about its momentum by `L / I`, and about the odd axis by what is left. Then the point that meets a surface is
-/// one that comes nearer by the body's velocities, and the contact of the next step has something to stop.
+/// What turns by much in the step goes on a way of its own: two orientations do not tell how it came from one to
+/// the other. It is taken to turn freely at its last velocity from its first orientation, as a symmetric top does,
+/// exactly: about its momentum by `L / I`, and about the odd axis by what is left. Then the point that meets a
+/// surface is one that comes nearer by the body's velocities, and the contact of the next step has something to
+/// stop.
 fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: f32) -> Course {
     let start = Frame::new(origin.center.minus_wide(from), origin.rotation);
     let way = end.center.minus_wide(origin.center);
@@ -218,7 +220,8 @@ fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: 
     Course { start, way, swing, twist, end }
 }
 
-/// The axis of the moment of inertia that stands out, in the body's frame, and its moment over the mean of the others.
+/// The axis of the moment of inertia that stands out, in the body's frame, and its moment over the mean of the
+/// others.
 fn odd_axis(row: &BodyRow) -> Option<(DVec3, f64)> {
     let i = row.inertia;
     if i.x == i.y && i.y == i.z {
@@ -240,8 +243,8 @@ fn swing_between(before: DVec3, after: DVec3) -> Turn {
     }
 }
 
-/// The turn from one orientation to another: the least one that takes the odd axis along, and a twist about that axis. Of a
-/// body without such an axis all is swing.
+/// The turn from one orientation to another: the least one that takes the odd axis along, and a twist about that
+/// axis. Of a body without such an axis all is swing.
 fn turns_between(from: Quaternion, to: Quaternion, odd: Option<(DVec3, f64)>) -> (Turn, Turn) {
     let whole = to.after(from.inverse());
     let Some((axis, _)) = odd else { return (whole.turn(None), Turn::NONE) };

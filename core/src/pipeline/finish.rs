@@ -106,20 +106,42 @@ fn count_quiet(motion: &Motion, row: &mut BodyRow, speed: f32) {
     row.count_quiet(squares < speed * speed);
 }
 
+/// A run of bodies.
+struct Bodies<'a> {
+    first: usize,
+    motions: &'a mut [Motion],
+    rows: &'a mut [BodyRow],
+    origins: &'a mut [Motion],
+    fast: &'a mut [u32],
+    found: Found,
+}
+
+impl Bodies<'_> {
+    /// Writes what one of the dynamic bodies became, and lists it if it is fast.
+    fn store(&mut self, i: usize, (results, race): (&Results<'_>, &Race<'_>), sleep: Option<u32>) {
+        let (slot, motion, row) = (self.first + i, &mut self.motions[i], &mut self.rows[i]);
+        let before = *motion;
+        let way = results.store(slot, motion, row, &mut self.found);
+        if race.may_be_fast(way, motion) || row.has(CHANGED_SECTOR) {
+            self.origins[i] = before;
+            if race.is_fast(way, (motion, row)) {
+                self.fast[self.found.fast] = slot as u32;
+                self.found.fast += 1;
+            }
+        }
+        if let Some(steps) = sleep {
+            count_quiet(motion, row, race.settings.sleep_speed);
+            self.found.ready += u32::from(row.quiet_steps() >= steps);
+        }
+    }
+}
+
 fn store_motions<E: Executor>(
     state: &mut State<'_>,
     (assets, cache, scratch): (&AssetTables<'_>, &Cache<'_>, &mut Scratch<'_>),
     (plan, settings): (&Plan, &Settings),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
-    struct Task<'a> {
-        first: usize,
-        motions: &'a mut [Motion],
-        rows: &'a mut [BodyRow],
-        origins: &'a mut [Motion],
-        fast: &'a mut [u32],
-        found: Found,
-    }
     let high = state.header[0].bodies.high as usize;
     let share = chunk(high, FINISH_BODIES);
     let results = Results {
@@ -133,38 +155,23 @@ fn store_motions<E: Executor>(
     let used = &*state.body_used;
     let (dt, sleep) = (settings.dt, settings.sleep_steps());
     let race = Race { shapes: state.shapes, assets, settings };
-    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    let mut tasks: Tasks<Bodies<'_>> = Tasks::new();
     let parts = state.motions[..high].chunks_mut(share).zip(state.bodies[..high].chunks_mut(share));
     let places = scratch.origins[..high].chunks_mut(share).zip(scratch.fast[..high].chunks_mut(share));
     for (i, ((motions, rows), (origins, fast))) in parts.zip(places).enumerate() {
-        push(&mut tasks, Task { first: i * share, motions, rows, origins, fast, found: Found::default() });
+        push(&mut tasks, Bodies { first: i * share, motions, rows, origins, fast, found: Found::default() });
     }
     crew.run(Stage::Finish, &mut tasks, |task| {
-        for (i, (motion, row)) in task.motions.iter_mut().zip(task.rows.iter_mut()).enumerate() {
-            let slot = task.first + i;
-            if crate::pool::is_used(used, slot as u32) {
-                match row.kind() {
+        for i in 0..task.rows.len() {
+            if crate::pool::is_used(used, (task.first + i) as u32) {
+                match task.rows[i].kind() {
                     BodyKind::Static => {}
                     BodyKind::Kinematic => {
-                        task.origins[i] = *motion;
-                        move_kinematic(motion, row, dt);
+                        task.origins[i] = task.motions[i];
+                        move_kinematic(&mut task.motions[i], &mut task.rows[i], dt);
                     }
-                    BodyKind::Dynamic if row.has(ASLEEP) => {}
-                    BodyKind::Dynamic => {
-                        let before = *motion;
-                        let way = results.store(slot, motion, row, &mut task.found);
-                        if race.may_be_fast(way, motion) || row.has(CHANGED_SECTOR) {
-                            task.origins[i] = before;
-                            if race.is_fast(way, (motion, row)) {
-                                task.fast[task.found.fast] = slot as u32;
-                                task.found.fast += 1;
-                            }
-                        }
-                        if let Some(steps) = sleep {
-                            count_quiet(motion, row, settings.sleep_speed);
-                            task.found.ready += u32::from(row.quiet_steps() >= steps);
-                        }
-                    }
+                    BodyKind::Dynamic if task.rows[i].has(ASLEEP) => {}
+                    BodyKind::Dynamic => task.store(i, (&results, &race), sleep),
                 }
             }
         }

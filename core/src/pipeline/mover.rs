@@ -56,8 +56,8 @@ pub(crate) struct MoverRow {
 
 /// A top is slender when the moment about its long axis is less than a third of the next one.
 const SLENDER: f32 = 2.0;
-/// Share of the energy of a blow that may be told wrong before the seats of a slender top have the view of a body that
-/// did not turn: the square of the turn of its long axis times the ratio of the moments, less 1.
+/// Share of the energy of a blow that may be told wrong before the seats of a slender top have the view of a body
+/// that did not turn: the square of the turn of its long axis times the ratio of the moments, less 1.
 const VIEW_ERROR: f32 = 0.1;
 
 impl MoverRow {
@@ -235,15 +235,15 @@ impl MoverRow {
         }
     }
 
-    /// Gives the seats of slender tops that have turned in this step, and were touched, the view of a body that did not
-    /// turn. `turn` is that of the momentum, and `turned` the whitened rotation vector of the substep, which is
+    /// Gives the seats of slender tops that have turned in this step, and were touched, the view of a body that did
+    /// not turn. `turn` is that of the momentum, and `turned` the whitened rotation vector of the substep, which is
     /// returned as the seats see it.
     ///
-    /// Rows keep the arms and the inertia of the start of the step. A rod that has turned by then takes the impulse at
-    /// its end about its long axis, of which it has hardly any inertia: in a step a blow could give it a hundred
-    /// times its energy. So the seats see the momentum turned back with the long axis, and what they change of it is
-    /// turned on. The body stays the one that the rows know; the price is that action and reaction are turned against
-    /// each other as the arms are.
+    /// Rows keep the arms and the inertia of the start of the step. A rod that has turned by then takes the impulse
+    /// at its end about its long axis, of which it has hardly any inertia: in a step a blow could give it a hundred
+    /// times its energy. So the seats see the momentum turned back with the long axis, and what they change of it
+    /// is turned on. The body stays the one that the rows know; the price is that action and reaction are turned
+    /// against each other as the arms are.
     #[inline(never)]
     fn look_again(&mut self, seats: &mut [Seat; LANES], turn: LaneVec, turned: LaneVec) -> LaneVec {
         let third = self.frame.third();

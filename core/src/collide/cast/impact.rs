@@ -1,17 +1,17 @@
 //! When a convex shape that moves and turns first meets a shape.
 //!
-//! Conservative advancement (Mirtich 1996; van den Bergen, "Continuous Collision Detection of General Convex Objects
-//! under Translation", 2005, and here with turns): the plane between two convex sets at the time `t` parts them until
-//! some point of one has gone through it, and how fast points can come is bounded. With the unit normal `n` from the
-//! moving shape to the other, `v` its way and `w` its turn over the step, `r` the arm of a point from its center and
-//! `R` the greatest arm across the axis,
+//! Conservative advancement (Mirtich 1996; van den Bergen, "Continuous Collision Detection of General Convex
+//! Objects under Translation", 2005, and here with turns): the plane between two convex sets at the time `t` parts
+//! them until some point of one has gone through it, and how fast points can come is bounded. With the unit normal
+//! `n` from the moving shape to the other, `v` its way and `w` its turn over the step, `r` the arm of a point from
+//! its center and `R` the greatest arm across the axis,
 //! ```text
-//! gap closes in d by at most   n.v d + |n x w| R d                  all points at the rate of the fastest
-//!                        and   n.v d + max r.(n x w) d + |w| |n x w| R d^2 / 2      as they go now, and a remainder
+//! gap closes in d by at most   n.v d + |n x w| R d                               the rate of the fastest point
+//!                        and   n.v d + max r.(n x w) d + |w| |n x w| R d^2 / 2   as points go now, and a rest
 //! ```
 //! and the greater of the two steps is taken. Nothing is passed, whatever turns; a motion without turns takes the
-//! steps of Newton's method as `sweep.rs` does. A shape whose plane does not come nearer is done at once, so a slide
-//! along a wall is one step.
+//! steps of Newton's method as `sweep.rs` does. A shape whose plane does not come nearer is done at once, so a
+//! slide along a wall is one step.
 //!
 //! The impact is where the shapes are a small gap apart. **Shapes that touch at the start** are the business of
 //! contacts, as far as their skin: of those only what is left when a skin is taken off is looked at, a thicker one
@@ -36,8 +36,8 @@ const STEPS_MAX: usize = 96;
 const SKINS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
 /// Gap at an impact as a share of the inner radius.
 const GAP_SHARE: f64 = 0.05;
-/// Least and greatest gap at an impact, metres: positions are resolved to 4 micrometres, and contacts are found within
-/// 20 mm.
+/// Least and greatest gap at an impact, metres: positions are resolved to 4 micrometres, and contacts are found
+/// within 20 mm.
 const GAP_MIN: f64 = 2.0e-5;
 const GAP_MAX: f64 = 1.0e-3;
 /// A shape that is off the axis of a twist by less than this share of its size is on it.
@@ -240,7 +240,8 @@ impl<'a> Mover<'a> {
         let (own, theirs) = (&self.course, other.course);
         let mut linear = normal.dot(own.way - theirs.way);
         if theirs.most() != 0.0 {
-            // Seen from a body that turns all else turns about it. The distance of two centers is greatest at an end.
+            // Seen from a body that turns all else turns about it. The distance of two centers is greatest at an
+            // end.
             let apart = |t: f64| length(own.at(t).position - theirs.at(t).position);
             linear += theirs.most() * (greater(apart(time), apart(1.0)) + self.reach);
         }
@@ -355,8 +356,8 @@ impl<'a> Mover<'a> {
     }
 }
 
-/// When a convex shape meets another body's shape so that contacts alone may not stop it: the fraction of the step at
-/// which they are a small gap apart. Meetings later than `limit` may be left out.
+/// When a convex shape meets another body's shape so that contacts alone may not stop it: the fraction of the step
+/// at which they are a small gap apart. Meetings later than `limit` may be left out.
 pub(crate) fn impact(other: &Rider<'_, Solid<'_>>, rider: &Rider<'_, Core<'_>>, limit: f64) -> Option<f64> {
     let mover = Mover::new(rider);
     let place = Rider { shape: (), local: other.local, course: other.course };
