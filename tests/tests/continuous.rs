@@ -6,6 +6,8 @@
 
 #[path = "continuous/beside.rs"]
 mod beside;
+#[path = "continuous/rooms.rs"]
+mod rooms;
 #[path = "continuous/shots.rs"]
 mod shots;
 

@@ -148,7 +148,8 @@ pub fn shell(world: &mut OwnedWorld, kind: Kind) -> Shell {
     }
 }
 
-fn world_for(shots: usize) -> OwnedWorld {
+/// A world for some bodies and the assets of walls and shapes.
+pub fn room_for(bodies: usize) -> OwnedWorld {
     let cells = 40 * 40;
     worlds::world_with(Capacities {
         hulls: 1,
@@ -159,7 +160,7 @@ fn world_for(shots: usize) -> OwnedWorld {
         height_samples: 2000,
         compounds: 2,
         compound_children: 100,
-        ..Capacities::for_bodies(shots as u32 + 2)
+        ..Capacities::for_bodies(bodies as u32 + 2)
     })
 }
 
@@ -242,7 +243,7 @@ pub fn energy(world: &OwnedWorld, body: BodyHandle) -> f64 {
 /// Fires at a wall that stands at random.
 pub fn fire(wall: Wall, kind: Kind, seed: u64, continuous: bool) -> Outcome {
     let mut random = Random::new(seed);
-    let mut world = world_for(SHOTS);
+    let mut world = room_for(SHOTS);
     let settings = Settings { continuous, gravity: Vec3::ZERO, ..world.settings() };
     world.set_settings(&settings).expect("in range");
     let (geometry, surface, at) = wall_of(&mut world, wall);

@@ -137,6 +137,8 @@ struct Gap {
     least: f64,
     /// Unit vector from what moves to the other.
     normal: DVec3,
+    /// A point of the other that is nearest.
+    point: DVec3,
 }
 
 /// What an advance came to.
@@ -214,8 +216,10 @@ impl<'a> Mover<'a> {
         let b_in_a = frame.relative(&own);
         match wall {
             Wall::HalfSpace => {
-                let lowest = b_in_a.transform(core.support(b_in_a.unturn(DVec3::NEG_Z))).z - core.radius;
-                Gap { distance: lowest, least: lowest, normal: frame.turn(DVec3::NEG_Z) }
+                let lowest = b_in_a.transform(core.support(b_in_a.unturn(DVec3::NEG_Z)));
+                let distance = lowest.z - core.radius;
+                let point = frame.transform(DVec3::new(lowest.x, lowest.y, 0.0));
+                Gap { distance, least: distance, normal: frame.turn(DVec3::NEG_Z), point }
             }
             Wall::Convex(a) => {
                 let pair = Pair { a, b: core, b_in_a };
@@ -225,6 +229,7 @@ impl<'a> Mover<'a> {
                     distance: found.distance - radius,
                     least: found.least - radius,
                     normal: frame.turn(found.direction),
+                    point: frame.transform(found.on_a - found.direction * a.radius),
                 }
             }
         }
@@ -267,6 +272,15 @@ impl<'a> Mover<'a> {
         greater(by_fastest, by_now)
     }
 
+    /// True when the point that is nearest to a wall goes towards it.
+    fn comes_nearer(&self, other: &Rider<'_, ()>, (time, gap): (f64, &Gap)) -> bool {
+        let rate = |course: &Course| {
+            let turn = course.swing.axis * course.swing.angle + course.twist_at(time);
+            course.way + turn.cross(gap.point - course.at(time).position)
+        };
+        gap.normal.dot(rate(&self.course) - rate(other.course)) > 0.0
+    }
+
     /// Advances a core from a time until it meets a wall, or to the limit.
     fn advance(
         &self,
@@ -279,7 +293,13 @@ impl<'a> Mover<'a> {
         if found.distance <= self.gap * TOUCH_SHARE {
             return Outcome::Touches;
         }
-        let target = self.gap;
+        let mut target = self.gap;
+        if found.distance <= target {
+            if self.comes_nearer(wall.1, (time, &found)) {
+                return Outcome::Meets(time);
+            }
+            target = 0.75 * found.distance;
+        }
         for _ in 0..STEPS_MAX {
             let closes = self.free_time(core, (wall.1, time), (1.0, found.normal));
             if closes == f64::INFINITY {
