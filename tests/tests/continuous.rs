@@ -6,6 +6,8 @@
 
 #[path = "continuous/beside.rs"]
 mod beside;
+#[path = "continuous/others.rs"]
+mod others;
 #[path = "continuous/rooms.rs"]
 mod rooms;
 #[path = "continuous/shots.rs"]
@@ -13,13 +15,13 @@ mod shots;
 
 use shots::{KINDS, Kind, Wall};
 
-/// Depth that a point of a shape may have for a moment, as a share of the thickness of the thinnest part: contacts
-/// are soft. Sharp ends of hulls and cones are thinner than the rest.
+/// Depth that a point of a shape may have for a moment, metres: less than half the thickness of the thinnest part,
+/// since contacts are soft. Sharp ends of hulls and cones are thinner than the rest.
 fn depth_max(kind: Kind) -> f64 {
     match kind {
         Kind::Cube => 0.025,
         Kind::Hull | Kind::Cone => 0.1,
-        _ => 0.0025,
+        _ => 0.004,
     }
 }
 

@@ -125,8 +125,6 @@ pub(crate) struct HullRow {
     pub center: Vec3,
     /// Of the farthest vertex from the origin, m2.
     pub radius_squared: f32,
-    /// Distance of the nearest face from the center, metres.
-    pub inner_radius: f32,
     pub vertex_count: u32,
     pub face_count: u32,
     pub loop_count: u32,

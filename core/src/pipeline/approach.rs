@@ -15,7 +15,7 @@ use crate::collide::cast::sweep::{self, Moving};
 use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::math::{Pose, Vec3, min};
-use crate::pipeline::continuous::{FAST_SHARE, WAY_FLOOR, inner_radius};
+use crate::pipeline::continuous::{FAST_SHARE, WAY_FLOOR, has_joints, inner_radius};
 use crate::pipeline::meeting::{Meeting, Scene};
 use crate::shape::GEOMETRY_SPHERE;
 use crate::state::AssetTables;
@@ -54,6 +54,10 @@ impl Approach {
         meeting: &Meeting,
         (slots, assets, dt): ([u32; 2], &AssetTables<'_>, f32),
     ) -> Self {
+        // What has joints keeps its contacts: it is hardly ever stopped.
+        if slots.iter().any(|&slot| has_joints(scene.first_joints, scene.shapes[slot as usize].body)) {
+            return Self::Slow;
+        }
         // A ball about its body's center looks the same when it turns.
         let turn = |slot: u32| {
             let is_ball = scene.shapes[slot as usize].kind == GEOMETRY_SPHERE;

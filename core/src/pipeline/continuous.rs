@@ -12,7 +12,8 @@
 //!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Of those
 //!   only bodies that are still in their fat boxes are found.
 //! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body.
-//! - A body that is stopped may be torn off its joints for that step; they pull it back in the next.
+//! - A body that is stopped is torn off its joints for that step, and they pull it back in the next. So a body with
+//!   joints is stopped only where the middle of a shape would pass, and contacts are left the rest.
 //! - Where no body is fast nothing runs: a body that moves less than [`WAY_FLOOR`] and turns less than
 //!   [`TURN_FLOOR`] is not looked at.
 
@@ -50,7 +51,7 @@ const FAST_BODIES: usize = 8;
 /// Stands for a body that is not stopped.
 const NEVER: f64 = 2.0;
 /// Turn in a step from which on a body's way follows from its velocity and not from its last orientation, radians.
-const TURN_MAX: f64 = 2.0;
+const TURN_MAX: f64 = 0.5;
 
 /// What tells whether a body is fast.
 pub(crate) struct Race<'a> {
@@ -93,9 +94,9 @@ pub(crate) fn inner_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
     match shape.kind {
         GEOMETRY_SPHERE | GEOMETRY_CAPSULE => x,
         GEOMETRY_BOX => min(x, min(y, z)),
-        GEOMETRY_HULL => assets.hulls[shape.asset() as usize].inner_radius,
-        GEOMETRY_ROUNDED_HULL => assets.hulls[shape.asset() as usize].inner_radius + y,
-        GEOMETRY_COMPOUND => assets.compounds[shape.asset() as usize].inner_radius,
+        GEOMETRY_HULL => assets.hull_radii[shape.asset() as usize],
+        GEOMETRY_ROUNDED_HULL => assets.hull_radii[shape.asset() as usize] + y,
+        GEOMETRY_COMPOUND => assets.compound_radii[shape.asset() as usize],
         _ => support::inner_radius(&solid(shape, assets)),
     }
 }
@@ -217,7 +218,7 @@ fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: 
         (Turn::of(turn), Turn::NONE)
     };
     let end = loose.then(|| Frame::new(end.center.minus_wide(from), end.rotation));
-    Course { start, way, swing, twist, end }
+    Course { start, way, swing, twist, end, held: false }
 }
 
 /// The axis of the moment of inertia that stands out, in the body's frame, and its moment over the mean of the
@@ -301,6 +302,11 @@ impl Quaternion {
     }
 }
 
+/// True when a body has joints.
+pub(crate) fn has_joints(first_joints: &[u32], body: u32) -> bool {
+    first_joints.get(body as usize).is_some_and(|&first| first != 0)
+}
+
 /// What fast bodies may meet.
 struct Chase<'a> {
     state: &'a State<'a>,
@@ -317,7 +323,8 @@ impl Chase<'_> {
     /// The fraction of the step at which a body meets the first surface that it would pass.
     fn first_stop(&self, body: u32) -> f64 {
         let (row, origin) = (&self.state.bodies[body as usize], &self.origins[body as usize]);
-        let course = course(origin.center, (origin, &self.state.motions[body as usize], row), self.dt);
+        let mut course = course(origin.center, (origin, &self.state.motions[body as usize], row), self.dt);
+        course.held = has_joints(self.state.first_joints, body);
         let mut best = NEVER;
         let mut next = row.first_shape;
         while let Some(shape) = self.state.shapes.get(next as usize) {

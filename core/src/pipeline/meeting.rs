@@ -47,6 +47,7 @@ pub(crate) struct Scene<'a> {
     pub motions: &'a [Motion],
     pub frames: &'a [Words],
     pub reaches: &'a [Reach],
+    pub first_joints: &'a [u32],
 }
 
 impl Scene<'_> {

@@ -55,6 +55,7 @@ fn collide_pairs<E: Executor>(
             motions: state.motions,
             frames: scratch.frames,
             reaches: scratch.reaches,
+            first_joints: state.first_joints,
         },
         assets,
         dt: settings.dt,

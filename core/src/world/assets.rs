@@ -27,6 +27,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let index = header.hulls;
         let row = assets.hulls.get_mut(index as usize).ok_or(Error::Full { name: "hulls" })?;
         *row = row_of(&tables);
+        assets.hull_radii[index as usize] = tables.view().inner_radius();
         header.hulls += 1;
         header.hash = hash(bytemuck::bytes_of(row), header.hash ^ 1);
         Ok(HullHandle(index))
@@ -230,7 +231,6 @@ fn row_of(tables: &HullTables) -> HullRow {
     row.edges[..tables.edges.len()].copy_from_slice(&tables.edges);
     row.center = tables.center;
     row.radius_squared = tables.vertices.iter().fold(0.0, |most, v| crate::math::max(v.dot(*v), most));
-    row.inner_radius = tables.view().inner_radius();
     row.vertex_count = tables.vertices.len() as u32;
     row.face_count = tables.faces.len() as u32;
     row.loop_count = tables.loops.len() as u32;

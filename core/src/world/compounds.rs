@@ -45,13 +45,13 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if children.len() > assets.children.len() - header.children as usize {
             return Err(Error::Full { name: "compound_children" });
         }
-        let mut row = CompoundRow {
+        let row = CompoundRow {
             first_child: header.children,
             children: children.len() as u32,
             first_node: header.child_nodes,
             nodes: tree::node_count(children.len()) as u32,
-            inner_radius: f32::MAX,
         };
+        let mut inner = f32::MAX;
         let own = run_mut(assets.children, row.first_child, row.children);
         for (i, (slot, child)) in own.iter_mut().zip(children).enumerate() {
             let (kind, size) = child.geometry.to_row();
@@ -59,7 +59,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             *slot = Child { kind, size, pose };
             let solid = convex_solid(kind, size, assets.hulls);
             scratch.child_boxes[i] = aabb(&solid, &pose);
-            row.inner_radius = min(inner_radius(&solid), row.inner_radius);
+            inner = min(inner_radius(&solid), inner);
         }
         tree::build(
             scratch.child_boxes,
@@ -69,6 +69,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             run_mut(assets.child_nodes, row.first_node, row.nodes),
         );
         assets.compounds[index as usize] = row;
+        assets.compound_radii[index as usize] = inner;
         let seed = hash(bytemuck::bytes_of(&row), assets.header[0].hash ^ 4);
         let header = &mut assets.header[0];
         header.compounds += 1;

@@ -1,13 +1,15 @@
 //! A room whose walls are 1 cm thick, full of bodies that never meet each other: bounces, corners and edges, at any
 //! speed.
 
-use crate::shots::{Kind, KINDS, power_of_ten, room_for, shell};
+use crate::shots::{KINDS, Kind, power_of_ten, room_for, shell};
 use cellstep::math::{Pose, Rotation, Vec3, length};
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, CompoundChild, Executor, Filter, Geometry, Position, Serial, Settings, ShapeDef,
+    BodyDef, BodyHandle, BodyKind, CompoundChild, Executor, Filter, Geometry, Pool, Position, Serial,
+    Settings, ShapeDef,
 };
-use cellstep_tests::executors::Random;
-use cellstep_tests::oracles::{center, minus, wide};
+use cellstep_tests::executors::{Random, Shuffled};
+use cellstep_tests::oracles::{center, minus, norm, velocity};
+use cellstep_tests::simulator::snapshot;
 use cellstep_tests::worlds::{OwnedWorld, add};
 
 /// Half the inner edge of a room, metres.
@@ -50,7 +52,8 @@ pub fn room(walls_are: Walls, kinds: &[Kind], bodies: usize, at: Position) -> (O
         }
         Walls::Mesh => {
             let side = |bit: u32| if bit == 0 { -HALF } else { HALF };
-            let corners: Vec<Vec3> = (0..8).map(|i| Vec3::new(side(i & 1), side(i & 2), side(i & 4))).collect();
+            let corners: Vec<Vec3> =
+                (0..8).map(|i| Vec3::new(side(i & 1), side(i & 2), side(i & 4))).collect();
             let quads = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
             let triangles: Vec<[u32; 3]> =
                 quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
@@ -75,7 +78,7 @@ pub fn room(walls_are: Walls, kinds: &[Kind], bodies: usize, at: Position) -> (O
             let speed = power_of_ten(2.0 + any());
             let place = Vec3::new(any(), any(), any()) * (HALF - 0.8);
             let def = BodyDef {
-                position: Position { offset: at.offset + place, ..at },
+                position: at.plus(place),
                 rotation: Rotation::from_rotation_vector(Vec3::new(3.0 * any(), 3.0 * any(), 3.0 * any())),
                 linear_velocity: way * (speed / length(way)),
                 angular_velocity: Vec3::new(any(), any(), any()) * 50.0,
@@ -85,8 +88,7 @@ pub fn room(walls_are: Walls, kinds: &[Kind], bodies: usize, at: Position) -> (O
             let filter = Filter { group: -1, ..Filter::default() };
             let restitution = [0.0, 0.5, 1.0][i % 3];
             let friction = [0.0, 0.6][i % 2];
-            let shape =
-                ShapeDef { filter, restitution, friction, ..ShapeDef::new(shells[i % shells.len()]) };
+            let shape = ShapeDef { filter, restitution, friction, ..ShapeDef::new(shells[i % shells.len()]) };
             add(&mut world, &def, &shape).0
         })
         .collect();
@@ -103,37 +105,83 @@ pub fn outside(world: &OwnedWorld, bodies: &[BodyHandle], at: Position) -> usize
 }
 
 #[test]
-fn stuck() {
-    for kind in KINDS {
-        let (mut world, bodies) = room(Walls::Boxes, &[kind], 60, Position::ORIGIN);
-        for step in 0..120 {
-            let before: Vec<_> = bodies.iter().map(|&b| (center(&world, b), world.linear_velocity(b).unwrap(), world.angular_velocity(b).unwrap())).collect();
-            let r = world.step(&mut Serial);
-            if step % 30 == 29 {
-                let mut rows: Vec<_> = bodies.iter().zip(&before).enumerate().map(|(i, (&b, (c, v, w)))| {
-                    let d = cellstep_tests::oracles::norm(minus(center(&world, b), *c));
-                    (d / (f64::from(length(*v)) / 60.0 + 1e-9), length(*v), length(*w), i)
-                }).collect();
-                rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-                println!("{kind:?} step {step} cut {} ratios {:?}", r.cut, rows.iter().step_by(8).map(|r| (format!("{:.2} v{:.0} w{:.0} #{}", r.0, r.1, r.2, r.3))).collect::<Vec<_>>());
+fn nothing_leaves_a_room() {
+    for walls in [Walls::Boxes, Walls::Mesh, Walls::Compound] {
+        let (mut world, bodies) = room(walls, &KINDS, 180, Position::ORIGIN);
+        let (mut cut, mut stuck) = (0, 0);
+        for step in 0..90 {
+            let before: Vec<_> = bodies.iter().map(|&body| center(&world, body)).collect();
+            cut += world.step(&mut Serial).cut;
+            assert_eq!(outside(&world, &bodies, Position::ORIGIN), 0, "{walls:?}, step {step}");
+            if step >= 60 {
+                let rests = |body: BodyHandle, place| {
+                    norm(velocity(&world, body)) > 1.0 && norm(minus(center(&world, body), place)) < 1.0e-5
+                };
+                stuck += bodies.iter().zip(before).filter(|&(&body, place)| rests(body, place)).count();
             }
         }
+        println!("{walls:?}: {cut} cut, {stuck} steps without motion");
+        assert!(cut > 500, "{walls:?}: {cut} cut");
+        // What is stopped goes on in the next step: hardly a body stays where it is.
+        assert!(stuck < 180 * 30 / 10, "{walls:?}: {stuck} steps without motion");
     }
 }
-#[test]
-fn trace() {
-    let kind = KINDS[std::env::var("K").unwrap().parse::<usize>().unwrap()];
-    let me: usize = std::env::var("ME").unwrap().parse().unwrap();
-    let from: u32 = std::env::var("FROM").unwrap().parse().unwrap();
-    let (mut world, bodies) = room(Walls::Boxes, &[kind], 60, Position::ORIGIN);
-    for (i, &b) in bodies.iter().enumerate() { if i != me { world.remove_body(b).unwrap(); } }
-    let b = bodies[me];
-    for step in 0..from + 8 {
-        let r = world.step(&mut Serial);
-        if step >= from {
-            println!("-- {step} cut {} contacts {} c {:.5?} v {:.3?} w {:.2?} q {:?}", r.cut, r.contacts, center(&world, b), world.linear_velocity(b).unwrap(), world.angular_velocity(b).unwrap(), world.rotation(b).unwrap());
-            for c in world.contacts() { println!("     points {} imp {:?} fr {:?}", c.points, c.impulses, c.friction); }
-            world.separations(|s| print!(" {s:.6}")); println!();
-        }
+
+/// Takes steps with an executor; `before` is called before each. Returns the state.
+fn play(executor: &mut impl Executor, mut before: impl FnMut(&mut OwnedWorld, u32)) -> (Vec<u8>, u32) {
+    let (mut world, _) = room(Walls::Mesh, &KINDS, 400, Position::ORIGIN);
+    let mut cut = 0;
+    for step in 0..40 {
+        before(&mut world, step);
+        cut += world.step(executor).cut;
     }
+    (world.state().to_vec(), cut)
+}
+
+#[test]
+fn bits_do_not_depend_on_workers_caches_or_restores() {
+    let (state, cut) = play(&mut Serial, |_, _| {});
+    assert!(cut > 1000, "{cut} cut");
+    for workers in [1, 2, 3, 8] {
+        let mut pool = Pool::new(workers).expect("threads");
+        assert!(play(&mut pool, |_, _| {}).0 == state, "{workers} workers");
+    }
+    assert!(play(&mut Shuffled::new(3), |_, _| {}).0 == state, "shuffled tasks");
+    assert!(play(&mut Serial, |world, _| world.drop_caches()).0 == state, "without caches");
+    let again = |world: &mut OwnedWorld, step: u32| {
+        if step % 7 == 3 {
+            let saved = snapshot(world);
+            for _ in 0..3 {
+                world.step(&mut Serial);
+            }
+            world.restore(&saved).expect("a snapshot of this world");
+        }
+        if step % 5 == 1 {
+            let _ = world.queries();
+        }
+    };
+    assert!(play(&mut Serial, again).0 == state, "after restores");
+}
+
+#[test]
+fn a_room_far_away_is_the_same_room() {
+    let sector = [156_250, -77_777, 4096];
+    let (mut here, bodies) = room(Walls::Boxes, &KINDS, 90, Position::ORIGIN);
+    let far = Position { sector, ..Position::ORIGIN };
+    let (mut there, others) = room(Walls::Boxes, &KINDS, 90, far);
+    for _ in 0..60 {
+        here.step(&mut Serial);
+        there.step(&mut Serial);
+    }
+    for (&a, &b) in bodies.iter().zip(&others) {
+        assert_eq!(here.center(a).expect("exists").offset, there.center(b).expect("exists").offset);
+        assert_eq!(here.linear_velocity(a), there.linear_velocity(b));
+    }
+    // On the border of two sectors, where bodies change between them, nothing leaves either.
+    let border = Position::at(Vec3::splat(32.5));
+    let (mut world, bodies) = room(Walls::Boxes, &KINDS, 90, border);
+    for _ in 0..60 {
+        world.step(&mut Serial);
+    }
+    assert_eq!(outside(&world, &bodies, border), 0);
 }

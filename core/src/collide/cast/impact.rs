@@ -42,6 +42,13 @@ const GAP_MIN: f64 = 2.0e-5;
 const GAP_MAX: f64 = 1.0e-3;
 /// A shape that is off the axis of a twist by less than this share of its size is on it.
 const ROUND_SHARE: f64 = 1.0e-3;
+/// Fraction of a step that a body goes on if its skin allows: else one that is hindered again and again, as a rod that
+/// dances on its end, would stay where it is.
+const EARLY: f64 = 0.1;
+/// A contact lets a gap close within a substep: points that would close it so often in a step are not held.
+const HOLD: f64 = 10.0;
+/// Way by which a round shape may swing, as a share of the gap at an impact, for its way to be taken as straight.
+const WOBBLE_SHARE: f64 = 0.25;
 /// Shapes touch when they are nearer than this share of the gap.
 const TOUCH_SHARE: f64 = 1.0 / 16.0;
 
@@ -78,12 +85,14 @@ pub(crate) struct Course {
     pub twist: Turn,
     /// Where the body is at the end if that is not where its course leads.
     pub end: Option<Frame>,
+    /// True for a body that is stopped only where the middle of a shape would pass.
+    pub held: bool,
 }
 
 impl Course {
     /// One that stays.
     pub fn still(frame: Frame) -> Self {
-        Self { start: frame, way: DVec3::ZERO, swing: Turn::NONE, twist: Turn::NONE, end: None }
+        Self { start: frame, way: DVec3::ZERO, swing: Turn::NONE, twist: Turn::NONE, end: None, held: false }
     }
 
     /// The body at a time.
@@ -180,6 +189,7 @@ impl<'a> Mover<'a> {
         let (low, high) = core.bounds(&rider.local);
         let most = |low: f64, high: f64| greater(-low, high);
         let corner = DVec3::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z));
+        let gap = lesser(greater(GAP_SHARE * core.inner_radius(), GAP_MIN), GAP_MAX);
         let mut course = *rider.course;
         let reach = length(corner);
         let mut twist = 0.0;
@@ -189,11 +199,16 @@ impl<'a> Mover<'a> {
             let off = length(frame.position.cross(course.twist.axis))
                 + length(core.axis_of(&frame).cross(course.twist.axis)) * reach;
             if core.is_round() && off < ROUND_SHARE * reach {
+                // What turns about its own axis stands still, unless that axis swings by more than the gap shows.
+                let axis = course.twist.axis;
+                let swing = course.swing.axis * course.swing.angle;
+                let across = swing - axis * swing.dot(axis);
+                if length(across) * reach < WOBBLE_SHARE * gap {
+                    course.swing = Turn::of(across);
+                }
                 (course.twist, twist) = (Turn::NONE, 0.0);
             }
         }
-        let inner = core.inner_radius();
-        let gap = lesser(greater(GAP_SHARE * inner, GAP_MIN), GAP_MAX);
         Self {
             core,
             local: rider.local,
@@ -272,13 +287,13 @@ impl<'a> Mover<'a> {
         greater(by_fastest, by_now)
     }
 
-    /// True when the point that is nearest to a wall goes towards it.
+    /// True when the point that is nearest to a wall goes towards it faster than a contact would let it.
     fn comes_nearer(&self, other: &Rider<'_, ()>, (time, gap): (f64, &Gap)) -> bool {
         let rate = |course: &Course| {
             let turn = course.swing.axis * course.swing.angle + course.twist_at(time);
             course.way + turn.cross(gap.point - course.at(time).position)
         };
-        gap.normal.dot(rate(&self.course) - rate(other.course)) > 0.0
+        gap.normal.dot(rate(&self.course) - rate(other.course)) > HOLD * gap.distance
     }
 
     /// Advances a core from a time until it meets a wall, or to the limit.
@@ -333,18 +348,27 @@ impl<'a> Mover<'a> {
     /// True when the body's last place is no end of its course, and in the wall where its first place was not.
     fn ends_inside(&self, wall: (&Wall<'_>, &Rider<'_, ()>)) -> bool {
         let Some(end) = self.course.end else { return false };
-        let thinner = &self.thinner[0];
+        let thinner = if self.course.held { &self.thinner[SKINS.len() - 1] } else { &self.thinner[0] };
         let last = Self { course: Course::still(end), ..*self };
         last.gap(thinner, wall, 1.0).distance <= 0.0 && self.gap(thinner, wall, 0.0).distance > 0.0
     }
 
     fn first_meeting(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+        if self.course.held {
+            let [.., thinnest] = &self.thinner;
+            return match self.advance(thinnest, wall, (0.0, limit)) {
+                Outcome::Meets(time) => Some(time),
+                Outcome::Clear | Outcome::Touches => None,
+            };
+        }
         match self.advance(&self.core, wall, (0.0, limit)) {
             Outcome::Clear => None,
             Outcome::Meets(time) => {
                 let [skinless, ..] = &self.thinner;
                 match self.advance(skinless, wall, (time, 1.0)) {
                     Outcome::Clear => None,
+                    // Into the skin rather than not at all: an overlap is what contacts push out.
+                    Outcome::Meets(later) if time < EARLY => Some(lesser(later, EARLY)),
                     _ => Some(time),
                 }
             }
@@ -356,8 +380,18 @@ impl<'a> Mover<'a> {
                         Outcome::Meets(time) => return Some(time),
                     }
                 }
-                None
+                self.middle_meets(wall, limit)
             }
+        }
+    }
+
+    /// When the middle of a shape that touches a wall with all that is left of it does so.
+    fn middle_meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+        let local = self.local.at(self.local.transform(self.core.middle()));
+        let point = Self { core: Core::POINT, local, ..*self };
+        match point.advance(&point.core, wall, (0.0, limit)) {
+            Outcome::Meets(time) => Some(time),
+            Outcome::Clear | Outcome::Touches => None,
         }
     }
 

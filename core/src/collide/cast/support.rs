@@ -84,6 +84,16 @@ impl<'a> Core<'a> {
         }
     }
 
+    /// The middle of that ball.
+    pub fn middle(&self) -> DVec3 {
+        match &self.kind {
+            Kind::Shape(core) => core.inner_ball().0,
+            Kind::Scaled(_, middle, _) => *middle,
+            Kind::Box(_) => DVec3::ZERO,
+            Kind::Triangle([a, b, c]) => (*a + *b + *c) / 3.0,
+        }
+    }
+
     /// The radius of the greatest ball inside the shape, or of a fair one, metres.
     pub fn inner_radius(&self) -> f64 {
         self.radius
