@@ -6,8 +6,8 @@
 //! share of its thickness is cast along its motion (`collide/cast/sweep.rs`): what it misses makes no contact, and
 //! what it hits makes the contacts that it has there, farther off by the way until then.
 //!
-//! A shape that turns meanwhile has no place from which contacts could be told in advance. It has those of where it
-//! stands, and is stopped when it comes (`continuous.rs`).
+//! A shape that turns meanwhile has no place from which contacts could be told in advance. It has those of
+//! where it stands, and is stopped when it comes (`continuous.rs`).
 
 use crate::collide::cast::children::Parts;
 use crate::collide::cast::frame::{Frame, length, narrowed, widened};
@@ -77,9 +77,9 @@ impl Approach {
     }
 }
 
-/// The contacts of two shapes that are not slow, as they stand now or as they will when they touch. Returns how far
-/// B moves against A until then, in A's frame, metres: contacts are that much farther off. `motion` is how B moves
-/// in the whole step.
+/// The contacts of two shapes that are not slow, as they stand now or as they will when they touch. Returns how
+/// far B moves against A until then, in A's frame, metres: contacts are that much farther off. `motion` is how
+/// B moves in the whole step.
 pub(crate) fn collide(
     meeting: &Meeting,
     solids: (&Solid<'_>, &Solid<'_>),

@@ -8,6 +8,7 @@ use crate::executor::{Executor, Stage};
 use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
+use crate::pipeline::articulations::Patterns;
 use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
@@ -99,10 +100,11 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
+            active.stiffening = joints::stiffening(state, active.body, substep);
             active.linear = motion.linear;
             active.angular = motion.angular;
             (active.root, active.whitened) =
-                root_and_whitened(principal, row.inertia, locks >> 3, motion.angular);
+                root_and_whitened(principal, active.inertia(row), locks >> 3, motion.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
             active.jointed = u32::from(state.first_joints.get(slot).is_some_and(|&first| first != 0));
@@ -154,6 +156,8 @@ pub(crate) fn fill<E: Executor>(
         links: &mut scratch.joint_links[..plan.joints],
         locks: &mut scratch.lock_rows[..plan.locks],
         bounds: &mut scratch.bound_rows[..plan.bounds],
+        nodes: &mut scratch.node_rows[..plan.nodes],
+        blocks: &mut scratch.block_rows[..plan.matrix_blocks],
     };
     let lanes = Lanes {
         seat_bodies: cache.seat_bodies,
@@ -161,6 +165,7 @@ pub(crate) fn fill<E: Executor>(
         contact_seats: cache.lane_seats,
         joints: cache.lane_joints,
         joint_seats: cache.joint_seats,
+        patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
     };
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     for groups in groups.chunks_mut(share) {
@@ -187,6 +192,7 @@ struct Lanes<'a> {
     contact_seats: &'a [[u32; 2 * LANES]],
     joints: &'a [[u32; LANES]],
     joint_seats: &'a [[u32; 2 * LANES]],
+    patterns: Patterns<'a>,
 }
 
 /// Groups in a row, of one or more phases, and what is theirs.
@@ -212,9 +218,11 @@ impl Task<'_> {
             let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
             let mut joints = self.joints.take(group);
+            let mut left = joints.reborrow();
             for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
-                joints::fill(scene, &mut joints, (&lanes.joints[row], &lanes.joint_seats[row]));
+                joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
             }
+            lanes.patterns.of(group).each(joints, |articulation| articulation.factor());
             let mut own_points = take(&mut points, group.points as usize);
             group.bounces = 0;
             let first = group.first_row as usize;

@@ -1,12 +1,12 @@
 //! Continuous collision: fast bodies do not pass through what contacts may miss.
 //!
-//! Contacts are found where a body is at the start of a step and hold along their normals, so they stop a body that
-//! comes straight at a surface. They miss what it meets after it has turned, bounced or been pushed aside. So at
-//! the end of the step each body that moved by more than a share of its thickness is taken along its way again
-//! (`collide/cast/impact.rs`), from the pose at the start to that at the end: its center straight ahead, its axes
-//! at a constant rate. At the first surface that it would have passed its motion ends, a hair in front, and the
-//! rest of the step's time is lost to it. Velocities stay: in the next step there is a contact, which has the
-//! impact.
+//! Contacts are found where a body is at the start of a step and hold along their normals, so they stop a body
+//! that comes straight at a surface. They miss what it meets after it has turned, bounced or been pushed aside.
+//! So at the end of the step each body that moved by more than a share of its thickness is taken along its way
+//! again (`collide/cast/impact.rs`), from the pose at the start to that at the end: its center straight ahead,
+//! its axes at a constant rate. At the first surface that it would have passed its motion ends, a hair in
+//! front, and the rest of the step's time is lost to it. Velocities stay: in the next step there is a contact,
+//! which has the impact.
 //!
 //! - Against static and kinematic bodies always, the latter on their own way; against dynamic ones for bodies with
 //!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Of those

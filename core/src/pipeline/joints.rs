@@ -24,6 +24,8 @@ use bytemuck::Zeroable;
 
 /// Joints that are worth a task.
 const STORE_JOINTS: usize = 256;
+/// See [`stiffening`].
+const STIFFENING: f32 = 0.0;
 /// How fast a limit that gives is felt before it is reached, 1/s: not at all.
 const NOT_BEFORE: f32 = 1.0e9;
 
@@ -90,7 +92,10 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: u
         let locks = body.locks as u32;
         link.locked |= u32::from(locks != 0);
         let free = |axis: u32| if locks >> axis & 1 == 1 { 0.0 } else { body.inverse_mass };
-        masses += Vec3::new(free(0), free(1), free(2));
+        let inverse = Vec3::new(free(0), free(1), free(2));
+        masses += inverse;
+        let scale = if end == 0 { &mut link.scale_a } else { &mut link.scale_b };
+        scale.set(lane, Vec3::new(libm::sqrtf(inverse.x), libm::sqrtf(inverse.y), libm::sqrtf(inverse.z)));
         let root = if end == 0 { &mut link.root_a } else { &mut link.root_b };
         set_root(root, &body.root, lane);
         let row = &scene.bodies[slot];
@@ -101,9 +106,9 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: u
                 (&mut link.now_b, &mut link.back_b, &mut link.top_b, &mut link.far_b)
             };
             let principal = principal_rotation(&scene.motions[slot], row);
-            far.set(lane, principal.after(split_frame(row.inertia).0).rotate(Vec3::Z));
+            far.set(lane, principal.after(split_frame(body.inertia(row)).0).rotate(Vec3::Z));
             set_root(now, &body.root, lane);
-            set_root(back, &along_axes(&principal.matrix(), square_roots(row.inertia)), lane);
+            set_root(back, &along_axes(&principal.matrix(), square_roots(body.inertia(row))), lane);
             top.set(lane, 1.0);
             link.tops = 1;
         }
@@ -308,6 +313,32 @@ impl Sight<'_> {
     }
 }
 
+/// What a body's moments of inertia gain in a step, kg m2, so that the loads on its joints do not shake it.
+///
+/// A force f on a point at the arm r turns a body like a spring of stiffness f r (the geometric stiffness of
+/// constrained bodies). Steps follow the swing of that spring only while it is slower than they are: the square of
+/// its angular frequency times the substep, `f r h^2 / I`, must stay below 4, and this keeps it below 1. Only bodies
+/// whose load is great for their inertia gain any, of which the first is a light chain with a heavy weight; they
+/// turn slower than they would, and do not explode. (Andrews, Teichmann and Kry, Geometric stiffness for real-time
+/// constrained multibody dynamics, 2017, with the force of the step before.)
+pub(crate) fn stiffening(state: &State<'_>, body: u32, substep: f32) -> f32 {
+    let mut next = state.first_joints.get(body as usize).copied().unwrap_or(0);
+    if next == 0 {
+        return 0.0;
+    }
+    let row = &state.bodies[body as usize];
+    let mut stiffness = 0.0;
+    while next != 0 {
+        let joint = &state.joints[next as usize - 1];
+        let frame = &joint.frames[usize::from(joint.bodies[0] != body)];
+        stiffness += length(joint.force) * length(frame.position - row.local_center);
+        next = joint.next_of(body);
+    }
+    let least = min(row.inertia.x, min(row.inertia.y, row.inertia.z));
+    let gain = stiffness * substep * substep * STIFFENING - least;
+    if gain > 0.0 { gain } else { 0.0 }
+}
+
 /// Writes impulses, forces and turns back into the state, and breaks joints whose load is too great.
 pub(crate) fn store<E: Executor>(
     state: &mut State<'_>,
@@ -316,8 +347,10 @@ pub(crate) fn store<E: Executor>(
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
     struct Task<'a> {
+        /// Ascending.
         slots: &'a [u32],
-        places: &'a [u32],
+        /// Places of the same joints.
+        order: &'a [u32],
         /// Slot of the first of the rows.
         first: u32,
         rows: &'a mut [JointRow],
@@ -331,11 +364,11 @@ pub(crate) fn store<E: Executor>(
     let share = chunk(joints, STORE_JOINTS);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let (mut rest, mut first) = (&mut *state.joints, 0);
-    let slots = scratch.joint_slots[..joints].chunks(share);
-    for (slots, places) in slots.zip(cache.joint_places[..joints].chunks(share)) {
+    let slots = scratch.held_slots[..joints].chunks(share);
+    for (slots, order) in slots.zip(cache.joint_order[..joints].chunks(share)) {
         let end = slots[slots.len() - 1] + 1;
         let rows = take(&mut rest, (end - first) as usize);
-        push(&mut tasks, Task { slots, places, first, rows, broken: 0 });
+        push(&mut tasks, Task { slots, order, first, rows, broken: 0 });
         first = end;
     }
     let results = Results {
@@ -345,9 +378,9 @@ pub(crate) fn store<E: Executor>(
         firsts: scratch.joint_firsts,
     };
     crew.run(Stage::Finish, &mut tasks, |task| {
-        for (&slot, &place) in task.slots.iter().zip(task.places) {
+        for (&slot, &place) in task.slots.iter().zip(task.order) {
             let joint = &mut task.rows[(slot - task.first) as usize];
-            results.store(joint, place as usize);
+            results.store(joint, cache.joint_places[place as usize] as usize);
             task.broken += u32::from(joint.has(BROKEN));
         }
     });
@@ -370,6 +403,8 @@ fn measure_wrenches<E: Executor>(
         links: &mut scratch.joint_links[..plan.joints],
         locks: &mut scratch.lock_rows[..plan.locks],
         bounds: &mut scratch.bound_rows[..plan.bounds],
+        nodes: &mut scratch.node_rows[..plan.nodes],
+        blocks: &mut scratch.block_rows[..plan.matrix_blocks],
     };
     let mut tasks: Tasks<JointRows<'_>> =
         groups.chunks(chunk(groups.len(), 1)).map(|groups| rows.take_all(groups)).collect();

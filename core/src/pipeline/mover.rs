@@ -43,7 +43,8 @@ pub(crate) struct MoverRow {
     top: Lane,
     /// 1 when a speed was capped in this step.
     capped: Lane,
-    /// Slender tops: where the long axis pointed at the start, and where it points in the view that the seats have.
+    /// Slender tops: where the long axis pointed at the start, and where it points in the view that the seats
+    /// have.
     axis: LaneVec,
     view: LaneVec,
     /// 1 when some lane is a free top.
@@ -147,8 +148,8 @@ impl MoverRow {
         (v + tiny) - tiny
     }
 
-    /// Moves the bodies by their velocities, and their nudges if there are any, for a substep, and notes the motion
-    /// in the seats.
+    /// Moves the bodies by their velocities, and their nudges if there are any, for a substep, and notes the
+    /// motion in the seats.
     pub fn advance(&mut self, seats: &mut [Seat; LANES], substep: f32, nudges: bool) {
         let (mut v, mut whitened) = velocities(seats);
         let mut turn = root_times(&self.turn, whitened);
@@ -181,7 +182,8 @@ impl MoverRow {
         }
     }
 
-    /// Turns the bodies. `whitened` is the whitened rotation vector of those that are no tops; returns that of all.
+    /// Turns the bodies. `whitened` is the whitened rotation vector of those that are no tops; returns that of
+    /// all.
     #[inline(always)]
     fn turn_by(&mut self, turn: LaneVec, whitened: LaneVec, nudge: &Nudge) -> LaneVec {
         let turn = if nudge.any { turn + nudge.momentum } else { turn };
@@ -235,15 +237,15 @@ impl MoverRow {
         }
     }
 
-    /// Gives the seats of slender tops that have turned in this step, and were touched, the view of a body that did
-    /// not turn. `turn` is that of the momentum, and `turned` the whitened rotation vector of the substep, which is
-    /// returned as the seats see it.
+    /// Gives the seats of slender tops that have turned in this step, and were touched, the view of a body that
+    /// did not turn. `turn` is that of the momentum, and `turned` the whitened rotation vector of the substep,
+    /// which is returned as the seats see it.
     ///
-    /// Rows keep the arms and the inertia of the start of the step. A rod that has turned by then takes the impulse
-    /// at its end about its long axis, of which it has hardly any inertia: in a step a blow could give it a hundred
-    /// times its energy. So the seats see the momentum turned back with the long axis, and what they change of it
-    /// is turned on. The body stays the one that the rows know; the price is that action and reaction are turned
-    /// against each other as the arms are.
+    /// Rows keep the arms and the inertia of the start of the step. A rod that has turned by then takes the
+    /// impulse at its end about its long axis, of which it has hardly any inertia: in a step a blow could give
+    /// it a hundred times its energy. So the seats see the momentum turned back with the long axis, and what
+    /// they change of it is turned on. The body stays the one that the rows know; the price is that action and
+    /// reaction are turned against each other as the arms are.
     #[inline(never)]
     fn look_again(&mut self, seats: &mut [Seat; LANES], turn: LaneVec, turned: LaneVec) -> LaneVec {
         let third = self.frame.third();
@@ -289,8 +291,8 @@ impl MoverRow {
         result
     }
 
-    /// From where to where the long axis of a body is turned that the seats see as at the start of the step; `None`
-    /// where they see it as it is.
+    /// From where to where the long axis of a body is turned that the seats see as at the start of the step;
+    /// `None` where they see it as it is.
     pub fn view(&self, lane: usize) -> Option<(Vec3, Vec3)> {
         let (axis, view) = (self.axis.get(lane), self.view.get(lane));
         (self.slender >> lane & 1 != 0 && axis != view).then_some((axis, view))
@@ -324,9 +326,9 @@ impl MoverRow {
     }
 
     /// Motion of a body's center in the step, metres, and its orientation.
-    pub fn outcome(&self, lane: usize, row: &BodyRow) -> (Vec3, Rotation) {
+    pub fn outcome(&self, lane: usize, (active, row): (&Active, &BodyRow)) -> (Vec3, Rotation) {
         let frame = self.frame.get(lane);
-        let rotation = if is_top(row) { frame.after(frame_axes(row).inverse()) } else { frame };
+        let rotation = if is_top(row) { frame.after(frame_axes(active, row).inverse()) } else { frame };
         (self.displacement.get(lane), rotation.normalized())
     }
 
@@ -359,8 +361,8 @@ impl Nudge {
     };
 }
 
-/// A vector under the least rotation that takes one unit vector to another: `v + c x v + c x (c x v) / (1 + a . b)`
-/// with `c = a x b`.
+/// A vector under the least rotation that takes one unit vector to another: `v + c x v + c x (c x v) / (1 + a .
+/// b)` with `c = a x b`.
 fn swung((from, to): (LaneVec, LaneVec), v: LaneVec) -> LaneVec {
     let across = from.cross(to);
     let one = Lane::splat(1.0);
@@ -376,8 +378,8 @@ pub(crate) fn is_top(row: &BodyRow) -> bool {
 }
 
 /// The frame in which a free top is turned, in the body.
-fn frame_axes(row: &BodyRow) -> Rotation {
-    row.axes.after(integration::split_frame(row.inertia).0)
+fn frame_axes(active: &Active, row: &BodyRow) -> Rotation {
+    row.axes.after(integration::split_frame(active.inertia(row)).0)
 }
 
 /// What a body that turns as its velocity says has in its lane: `[frame, turn_max, whitening, near, far]` and
@@ -392,12 +394,12 @@ fn plain_words((active, motion, _): (&Active, &Motion, &BodyRow), substep: f32) 
 }
 
 /// The same of a free top.
-fn top_words((_, motion, row): (&Active, &Motion, &BodyRow), substep: f32) -> (Words, Words) {
-    let (axes, moments) = integration::split_frame(row.inertia);
+fn top_words((active, motion, row): (&Active, &Motion, &BodyRow), substep: f32) -> (Words, Words) {
+    let (axes, moments) = integration::split_frame(active.inertia(row));
     let principal = principal_rotation(motion, row);
     // Momentum W^-1 w~, and by the reference moment the velocity that all axes share.
     let share = substep / moments.x;
-    let roots = integration::square_roots(row.inertia);
+    let roots = integration::square_roots(active.inertia(row));
     let turn = integration::along_axes(&principal.matrix(), roots * share);
     // The fastest that this momentum can mean is about the axis of the least moment.
     let most = TURN_MAX * (min(moments.x, min(moments.y, moments.z)) / moments.x);
@@ -435,7 +437,8 @@ pub(crate) fn angular_velocity(
     let start = Turn::of(principal_rotation(motion, row));
     let spin = start.undo(to_f64(motion.angular));
     let change = start.undo(to_f64(whitened - active.whitened));
-    let (inertia, root) = (to_f64(row.inertia), to_f64(integration::square_roots(row.inertia)));
+    let moments = active.inertia(row);
+    let (inertia, root) = (to_f64(moments), to_f64(integration::square_roots(moments)));
     let mut momentum = start.apply(core::array::from_fn(|i| inertia[i] * spin[i] + root[i] * change[i]));
     if let Some((from, to)) = view {
         momentum = swung_wide(to_f64(from), to_f64(to), momentum);

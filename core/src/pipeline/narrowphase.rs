@@ -1,8 +1,8 @@
 //! Narrowphase (the talk's second stage, SEED S3): contact points of every pair.
 //!
-//! A task has a run of pairs and the contacts that these had in the step before. Contacts that go on are brought up
-//! to date where they are; those that begin are written aside and those that end are marked, for `contacts.rs`.
-//! Impulses are carried over by feature.
+//! A task has a run of pairs and the contacts that these had in the step before. Contacts that go on are
+//! brought up to date where they are; those that begin are written aside and those that end are marked, for
+//! `contacts.rs`. Impulses are carried over by feature.
 
 use crate::collide::{MANIFOLDS_MAX, Manifold, Manifolds, POINTS_MAX};
 use crate::config::Settings;
@@ -387,7 +387,8 @@ impl Task<'_> {
         }
     }
 
-    /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact keeps.
+    /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact
+    /// keeps.
     fn take_over(
         &mut self,
         look: &Look<'_>,

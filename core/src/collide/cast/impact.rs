@@ -17,8 +17,8 @@
 //! contacts, as far as their skin: of those only what is left when a skin is taken off is looked at, a thicker one
 //! until the rest is free. So a wheel that rolls on a floor is not stopped, and still does not go through it.
 //!
-//! An impact counts only when the shapes, gone on, would overlap by more than the thinnest skin: contacts are soft,
-//! and what they leave of an overlap is no reason to stop.
+//! An impact counts only when the shapes, gone on, would overlap by more than the thinnest skin: contacts are
+//! soft, and what they leave of an overlap is no reason to stop.
 
 use super::children;
 use super::frame::{Frame, length, widened};
@@ -42,8 +42,8 @@ const GAP_MIN: f64 = 2.0e-5;
 const GAP_MAX: f64 = 1.0e-3;
 /// A shape that is off the axis of a twist by less than this share of its size is on it.
 const ROUND_SHARE: f64 = 1.0e-3;
-/// Fraction of a step that a body goes on if its skin allows: else one that is hindered again and again, as a rod that
-/// dances on its end, would stay where it is.
+/// Fraction of a step that a body goes on if its skin allows: else one that is hindered again and again, as a
+/// rod that dances on its end, would stay where it is.
 const EARLY: f64 = 0.1;
 /// A contact lets a gap close within a substep: points that would close it so often in a step are not held.
 const HOLD: f64 = 10.0;
@@ -71,8 +71,8 @@ impl Turn {
     }
 }
 
-/// How a body goes through a step: its center straight ahead, its axes at constant rates. Time is a fraction of the
-/// step, and places are from a point that all courses share.
+/// How a body goes through a step: its center straight ahead, its axes at constant rates. Time is a fraction of
+/// the step, and places are from a point that all courses share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course {
     /// The body at the start: its center and axes.
@@ -395,8 +395,8 @@ impl<'a> Mover<'a> {
         }
     }
 
-    /// The way of the moving body's center in the frame of the other shape: where it starts, its unit direction and
-    /// its length; and how far from the center anything can be met.
+    /// The way of the moving body's center in the frame of the other shape: where it starts, its unit direction
+    /// and its length; and how far from the center anything can be met.
     fn way(&self, other: &Rider<'_, ()>) -> ((DVec3, DVec3, f64), (DVec3, DVec3)) {
         let (first, last) = (other.at(0.0), other.at(1.0));
         let from = first.untransform(self.course.start.position);
@@ -445,7 +445,8 @@ pub(crate) fn impact(other: &Rider<'_, Solid<'_>>, rider: &Rider<'_, Core<'_>>, 
     }
 }
 
-/// The greatest distance of a point of a shape's core from an axis through its body's center, at the start, metres.
+/// The greatest distance of a point of a shape's core from an axis through its body's center, at the start,
+/// metres.
 fn lever(rider: &Rider<'_, Core<'_>>, axis: DVec3) -> f64 {
     let frame = rider.course.start.at(DVec3::ZERO).after(&rider.local);
     let away = if axis.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
