@@ -312,6 +312,7 @@ const WITHOUT_NUMBERS: &[&str] = &[
     "set_joint_user",
     "wake",
     "set_can_sleep",
+    "set_bullet",
     "queries",
     "set_kind",
     "set_locks",

@@ -176,6 +176,24 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(self.body_row(body)?.mass_properties())
     }
 
+    /// True when the body is stopped at dynamic bodies too when it is fast; see [`BodyDef::bullet`].
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn is_bullet(&self, body: BodyHandle) -> Result<bool, Error> {
+        Ok(self.body_row(body)?.has(BULLET))
+    }
+
+    /// Sets whether the body is stopped at dynamic bodies too when it is fast; see [`BodyDef::bullet`].
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn set_bullet(&mut self, body: BodyHandle, bullet: bool) -> Result<(), Error> {
+        let row = self.body_row_mut(body)?;
+        row.flags = if bullet { row.flags | BULLET } else { row.flags & !BULLET };
+        Ok(())
+    }
+
     /// Yours.
     pub fn body_user(&self, body: BodyHandle) -> Result<u64, Error> {
         Ok(self.body_row(body)?.user)

@@ -1,5 +1,6 @@
 //! Walls that move, bodies that hit each other, and scenes that pay nothing.
 
+use crate::shots::energy;
 use cellstep::math::{Rotation, Vec3};
 use cellstep::scene::builtin::Builtin;
 use cellstep::{AxisLocks, BodyDef, BodyHandle, BodyKind, Geometry, Position, Serial, Settings, ShapeDef};
@@ -127,6 +128,49 @@ fn a_bullet_does_not_pass_a_dynamic_panel() {
     println!("passed a dynamic panel: {} without the flag, {} with it", passed[0], passed[1]);
     assert_eq!(passed[1], 0, "bullets passed");
     assert!(passed[0] > 10, "the test attacks: {} passed without the flag", passed[0]);
+}
+
+#[test]
+fn the_flag_can_be_set() {
+    let mut world = weightless(2);
+    let body = world.create_body(&BodyDef { bullet: true, ..BodyDef::default() }).expect("room");
+    let other = world.create_body(&BodyDef::default()).expect("room");
+    assert_eq!((world.is_bullet(body), world.is_bullet(other)), (Ok(true), Ok(false)));
+    world.set_bullet(body, false).expect("exists");
+    world.set_bullet(other, true).expect("exists");
+    assert_eq!((world.is_bullet(body), world.is_bullet(other)), (Ok(false), Ok(true)));
+}
+
+#[test]
+fn grazing_impacts_gain_nothing() {
+    let (mut random, mut worst) = (Random::new(12), 0.0_f64);
+    let shapes = [
+        (Geometry::Sphere { radius: 0.1 }, 0.1),
+        (Geometry::Box { half_extents: Vec3::new(0.2, 0.1, 0.1) }, 0.25),
+        (Geometry::Capsule { half_height: 0.3, radius: 0.05 }, 0.35),
+    ];
+    for shot in 0..300 {
+        let (geometry, reach) = shapes[shot % 3];
+        let mut world = weightless(2);
+        ground(&mut world, [0.0, 0.6][shot % 2]);
+        let speed = random.between(100.0, 1000.0);
+        let slope = random.between(0.01, 0.15);
+        let def = BodyDef {
+            position: Position::at(Vec3::new(0.0, 0.0, reach + random.between(0.1, 1.0))),
+            rotation: Rotation::from_rotation_vector(Vec3::splat(random.between(-2.0, 2.0))),
+            linear_velocity: Vec3::new(speed, 0.0, -slope * speed),
+            ..BodyDef::default()
+        };
+        let restitution = [0.0, 0.5, 1.0][shot / 3 % 3];
+        let (body, _) = add(&mut world, &def, &ShapeDef { restitution, ..ShapeDef::new(geometry) });
+        let before = energy(&world, body);
+        for _ in 0..20 {
+            world.step(&mut Serial);
+            worst = worst.max(energy(&world, body) / before - 1.0);
+        }
+    }
+    println!("grazing impacts gain {worst:.1e} of their energy");
+    assert!(worst < 0.01, "{worst}");
 }
 
 #[test]
