@@ -108,12 +108,14 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
+            active.stiffening = joints::stiffening(state, active.body, substep);
             active.linear = motion.linear;
             active.angular = motion.angular;
             (active.root, active.whitened) =
-                root_and_whitened(principal, row.inertia, locks >> 3, motion.angular);
+                root_and_whitened(principal, active.inertia(row), locks >> 3, motion.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
+            active.jointed = u32::from(state.first_joints.get(slot).is_some_and(|&first| first != 0));
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
             let free = |axis: usize| if locks >> axis & 1 == 1 { 0.0 } else { push[axis] };
             active.push = Vec3::new(free(0), free(1), free(2));
