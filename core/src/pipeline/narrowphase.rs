@@ -133,6 +133,30 @@ impl Look<'_> {
         pairs.iter().filter(|pair| concave(pair.a) || concave(pair.b)).count() * (MANIFOLDS_MAX - 1)
     }
 
+    /// How the two shapes of a pair come to each other, and what rules are about them.
+    fn find(&self, pair: Pair, slots: [u32; 2]) -> Found<'_> {
+        let shapes = (self.shape(slots[0]), self.shape(slots[1]));
+        let meeting = Meeting::new(&self.scene, slots, self.dt);
+        let ruled = self.rules.concern(shapes);
+        let acts = if ruled { self.rules.acts(shapes) } else { Acts::default() };
+        let approach = if self.continuous {
+            Approach::new(&self.scene, &meeting, (slots, self.assets, self.dt))
+        } else {
+            Approach::Slow
+        };
+        Found {
+            pair,
+            slots,
+            shapes,
+            meeting,
+            exchanged: self.are_exchanged(slots),
+            ruled,
+            acts,
+            approach,
+            way: Vec3::ZERO,
+        }
+    }
+
     /// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one.
     fn are_exchanged(&self, [a, b]: [u32; 2]) -> bool {
         let dynamic = |slot: u32| self.scene.is_dynamic(slot);
@@ -303,25 +327,8 @@ impl Task<'_> {
             self.end_until(|row| row.pair == pair);
             return;
         }
-        let meeting = Meeting::new(&look.scene, slots, look.dt);
-        let ruled = look.rules.concern(shapes);
-        let acts = if ruled { look.rules.acts(shapes) } else { Acts::default() };
-        let approach = if look.continuous {
-            Approach::new(&look.scene, &meeting, (slots, look.assets, look.dt))
-        } else {
-            Approach::Slow
-        };
-        let mut found = Found {
-            pair,
-            slots,
-            shapes,
-            meeting,
-            exchanged: look.are_exchanged(slots),
-            ruled,
-            acts,
-            approach,
-            way: Vec3::ZERO,
-        };
+        let mut found = look.find(pair, slots);
+        let (approach, acts) = (found.approach, found.acts);
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);

@@ -257,12 +257,6 @@ impl Sides {
                 b[lane] = row;
             }
         }
-        let mut memo = [Lane::ZERO; 32];
-        let several = counts.iter().any(|&count| count > 1);
-        // The second run of words has the points on A after the first: 1 to 3.
-        for (k, own) in memo.chunks_exact_mut(8).enumerate().filter(|&(k, _)| several || k != 1) {
-            own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
-        }
         Self {
             contacts: *contacts,
             counts,
@@ -271,7 +265,7 @@ impl Sides {
             frame_a: Frame::of(frames_a),
             frame_b: Frame::of(frames_b),
             stances: settles.then(|| [Frame::of(stances_a), Frame::of(stances_b)]),
-            memo,
+            memo: words_of(memos, counts.iter().any(|&count| count > 1)),
             touch: transpose(touches),
             stored: transpose(stored),
             sign,
@@ -497,6 +491,17 @@ impl Sides {
 #[inline(always)]
 fn words<T: Pod, const N: usize>(row: &T) -> &[Words; N] {
     cast_ref(row)
+}
+
+/// The words of memos, of one point each or of several.
+#[inline(always)]
+fn words_of(memos: [&Memo; LANES], several: bool) -> [Lane; 32] {
+    let mut found = [Lane::ZERO; 32];
+    // The second run of words has the points on A after the first: 1 to 3.
+    for (k, own) in found.chunks_exact_mut(8).enumerate().filter(|&(k, _)| several || k != 1) {
+        own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
+    }
+    found
 }
 
 /// The stored impulses of a contact, as a run of words, without those of its resistance.

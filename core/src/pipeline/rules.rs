@@ -102,8 +102,8 @@ pub(crate) fn may_resist(slots: [u32; 2], shapes: &[ShapeRow], materials: &[Mate
     slots.into_iter().any(|slot| shapes[slot as usize].traits(materials).resists())
 }
 
-/// False when something may pass between two shapes: their bodies ignore each other, or one is solid from one side. Such
-/// a one stops by its contacts, which look as far as a step goes.
+/// False when something may pass between two shapes: their bodies ignore each other, or one is solid from one side.
+/// Such a one stops by its contacts, which look as far as a step goes.
 pub(crate) fn stand_in_the_way(state: &State<'_>, slots: [u32; 2]) -> bool {
     let [a, b] = slots.map(|slot| &state.shapes[slot as usize]);
     let rules = Rules::new(state.materials, &state.pair_rules[..state.header[0].pair_rules as usize]);
