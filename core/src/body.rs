@@ -169,6 +169,9 @@ pub struct BodyDef {
     pub mass: Option<MassProperties>,
     /// False for a body that never falls asleep, and keeps awake what it touches.
     pub can_sleep: bool,
+    /// True for a dynamic body that does not pass through other dynamic bodies either, fast as it may be. Through
+    /// static and kinematic ones none does; see [`Settings::continuous`](crate::config::Settings::continuous).
+    pub bullet: bool,
     /// Yours; part of the state.
     pub user: u64,
 }
@@ -187,6 +190,7 @@ impl Default for BodyDef {
             locks: AxisLocks::NONE,
             mass: None,
             can_sleep: true,
+            bullet: false,
             user: 0,
         }
     }
@@ -293,18 +297,10 @@ pub(crate) const ASLEEP: u32 = 64;
 pub(crate) const WAKES: u32 = 128;
 /// The body never sleeps, and keeps its island awake.
 pub(crate) const SLEEPLESS: u32 = 1 << 14;
+/// The body is stopped at dynamic bodies too when it is fast.
+pub(crate) const BULLET: u32 = 1 << 15;
 /// Bits of the number of steps that the body has been quiet.
 pub(crate) const QUIET_SHIFT: u32 = 16;
-pub(crate) const FLAGS_ALL: u32 = KIND_MASK
-    | GIVEN_MASS
-    | QUARANTINED
-    | CHANGED_SECTOR
-    | STOPS_AFTER_STEP
-    | (63 << LOCKS_SHIFT)
-    | ASLEEP
-    | WAKES
-    | SLEEPLESS
-    | (0xffff << QUIET_SHIFT);
 
 impl BodyRow {
     #[inline(always)]

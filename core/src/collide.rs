@@ -107,6 +107,16 @@ pub struct Hull<'a> {
     pub center: Vec3,
 }
 
+impl Hull<'_> {
+    /// How near the faces come to the center, metres.
+    pub fn inner_radius(&self) -> f32 {
+        let depth = |plane: &Plane| -plane.distance(self.center);
+        let least =
+            self.planes.iter().fold(f32::INFINITY, |least, plane| crate::math::min(depth(plane), least));
+        if least.is_finite() { crate::math::max(least, 0.0) } else { 0.0 }
+    }
+}
+
 /// Three vertices of a mesh and what lies across its edges.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]

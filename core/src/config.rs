@@ -80,6 +80,10 @@ pub struct Settings {
     /// A body is quiet while its mean point, which turns at the radius of gyration, is slower than this, m/s,
     /// `0..=1e4`.
     pub sleep_speed: f32,
+    /// True to stop fast bodies at the first surface on their way that contacts may not stop them at, so that they
+    /// do not pass through it: dynamic bodies at static and kinematic ones, and those with
+    /// [`BodyDef::bullet`](crate::body::BodyDef::bullet) at dynamic ones too. What is slow costs nothing.
+    pub continuous: bool,
 }
 
 /// How a contact removes overlap.
@@ -108,6 +112,7 @@ impl Default for Settings {
             block_links: BLOCK_LINKS,
             sleep_time: 0.0,
             sleep_speed: SLEEP_SPEED,
+            continuous: true,
         }
     }
 }
@@ -144,6 +149,9 @@ impl Settings {
     }
 }
 
+/// Bit of the modes: bodies are not stopped on their way.
+const NOT_CONTINUOUS: u32 = 1 << 8;
+
 /// [`Settings`] as bytes of the state.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -154,7 +162,8 @@ pub(crate) struct SettingsRow {
     sweeps: u32,
     relax_sweeps: u32,
     inner_sweeps: u32,
-    contact_model: u32,
+    /// The contact model, and [`NOT_CONTINUOUS`].
+    modes: u32,
     contact_frequency: f32,
     contact_damping_ratio: f32,
     push_speed: f32,
@@ -173,7 +182,7 @@ impl From<&Settings> for SettingsRow {
             sweeps: s.sweeps,
             relax_sweeps: s.relax_sweeps,
             inner_sweeps: s.inner_sweeps,
-            contact_model: s.contact_model as u32,
+            modes: s.contact_model as u32 | if s.continuous { 0 } else { NOT_CONTINUOUS },
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
             push_speed: s.push_speed,
@@ -188,7 +197,7 @@ impl From<&Settings> for SettingsRow {
 impl SettingsRow {
     /// The settings; `None` when the row was not made by [`SettingsRow::from`].
     pub(crate) fn read(&self) -> Option<Settings> {
-        let contact_model = match self.contact_model {
+        let contact_model = match self.modes & !NOT_CONTINUOUS {
             0 => ContactModel::Soft,
             1 => ContactModel::Rigid,
             _ => return None,
@@ -208,6 +217,7 @@ impl SettingsRow {
             block_links: self.block_links,
             sleep_time: self.sleep_time,
             sleep_speed: self.sleep_speed,
+            continuous: self.modes & NOT_CONTINUOUS == 0,
         };
         settings.check().is_ok().then_some(settings)
     }

@@ -5,10 +5,12 @@
 //! ```
 //! Every stage takes the views it needs and an executor; a stage's tasks own what they write.
 
+pub(crate) mod approach;
 pub(crate) mod articulations;
 pub(crate) mod assembly;
 pub(crate) mod broadphase;
 pub(crate) mod contacts;
+pub(crate) mod continuous;
 pub(crate) mod finish;
 pub(crate) mod integration;
 pub(crate) mod joints;
@@ -52,6 +54,9 @@ pub(crate) struct Counts {
     pub quarantined: u32,
     pub capped: u32,
     pub broken: u32,
+    /// Fast bodies, and those of them that were stopped on their way.
+    pub fast: u32,
+    pub cut: u32,
     /// Bodies that have been quiet for long enough.
     pub ready: u32,
 }
@@ -90,7 +95,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     }
     let woken = sleep::wake(state, (assets, settings.dt), (cache, scratch), &mut counts);
     crew.executor.enter(Stage::Narrowphase);
-    let looks = (&*assets, settings.dt, moved, woken);
+    let looks = (&*assets, settings, moved, woken);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
     let links = activate(state, (cache, scratch), &mut crew);
@@ -122,7 +127,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     crew.executor.enter(Stage::Finish);
     let joints = (&plan, links.held(), settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
-    finish::run(state, (cache, scratch), (&plan, settings), (&mut crew, &mut counts));
+    finish::run(state, (assets, cache, scratch), (&plan, settings), (&mut crew, &mut counts));
     if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
         sleep::fall(state, (cache, scratch), (links, steps));
     }
@@ -169,6 +174,7 @@ fn report(
         dropped: counts.dropped_pairs + counts.dropped_contacts,
         quarantined: counts.quarantined,
         capped: counts.capped,
+        cut: counts.cut,
         broken: counts.broken,
     }
 }

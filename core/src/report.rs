@@ -29,6 +29,8 @@ pub struct StepReport {
     pub quarantined: u32,
     /// Bodies whose speed or spin was capped.
     pub capped: u32,
+    /// Fast bodies that were stopped on their way, at a surface that they would have passed.
+    pub cut: u32,
     /// Joints that broke in this step.
     pub broken: u32,
 }

@@ -343,12 +343,24 @@ pub(crate) struct Touch {
     pub restitution: f32,
     /// From the center of body A to that of body B.
     pub centers: Vec3,
-    /// 1 when the separations follow from the memo's points and the poses; 0 when the memo gives them; -1 when it
-    /// does and a surface moves, or resists rolling or spinning.
+    /// [`Touch::SETTLED`], [`Touch::FAST`] or 0; [`Touch::ACTS`] is added to the last two.
     pub settled: f32,
 }
 
 impl Touch {
+    /// The separations follow from the memo's points and the poses, and arms from the stances; else the memo gives
+    /// the separations.
+    pub const SETTLED: f32 = 1.0;
+    /// The bodies come from far: the point of contact is A's, and not in the middle between the two points.
+    pub const FAST: f32 = 0.5;
+    /// A surface moves, or resists rolling or spinning.
+    pub const ACTS: f32 = -2.0;
+
+    /// True for [`Touch::FAST`], whatever the surfaces do.
+    pub fn is_fast(&self) -> bool {
+        self.settled == Self::FAST || self.settled == Self::FAST + Self::ACTS
+    }
+
     /// -1 when the solver's order is not that of the slots: the sign of what is stored for the body of the
     /// higher slot.
     pub fn sign(&self) -> f32 {
@@ -476,6 +488,12 @@ region! {
         block_chains: u32 = links_max(c),
         /// The body's seat in the phase that is laid out, by active body.
         phase_seats: u32 = c.bodies as usize,
+        /// Where fast bodies, kinematic ones and those that changed their sector were before the step, by slot.
+        origins: Motion = c.bodies as usize,
+        /// Slots of the fast bodies, ascending.
+        fast: u32 = c.bodies as usize,
+        /// The fraction of the step after which each of them is stopped; more than 1 for none.
+        stops: f64 = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),
         /// For registering a mesh.

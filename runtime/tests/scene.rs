@@ -46,6 +46,7 @@ fn full_body(turn: RotationDoc) -> BodyDoc {
         locks: vec![LockDoc::MoveZ, LockDoc::TurnX],
         mass: Some(MassDoc { mass: 3.0, center: [0.0, -0.0, 0.1], inertia: [1.0, 1.1, 1.2], axes: turn }),
         can_sleep: false,
+        bullet: true,
         user: u64::MAX - 1,
         shapes: vec![
             shape(GeometryDoc::Sphere { radius: 0.1 }),
@@ -113,6 +114,7 @@ fn full() -> Scene {
             block_links: Some(32),
             sleep_time: Some(0.5),
             sleep_speed: Some(0.02),
+            continuous: Some(false),
         },
         capacities: CapacitiesDoc {
             bodies: Some(9),

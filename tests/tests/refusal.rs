@@ -67,6 +67,7 @@ impl Poison {
             gravity_scale: self.number(1.0),
             locks: AxisLocks::NONE,
             can_sleep: true,
+            bullet: false,
             mass: mass.then(|| self.mass()),
             user: 0,
         }
@@ -330,6 +331,7 @@ const WITHOUT_NUMBERS: &[&str] = &[
     "set_joint_user",
     "wake",
     "set_can_sleep",
+    "set_bullet",
     "queries",
     "set_kind",
     "set_locks",

@@ -9,14 +9,16 @@
 //! children.rs  compounds: boxes of their children, and their children as what moves
 //! sweep.rs     a convex shape that moves against any shape   also rays at shapes without a closed form
 //! nearest.rs   distance and overlap of a convex shape and any shape
+//! impact.rs    a convex shape that moves and turns against any shape
 //! ```
-//! Concave shapes have an arm beside that of meshes in the last three.
+//! Concave shapes have an arm beside that of meshes in the last four.
 
 mod axial;
 pub(crate) mod children;
 pub(crate) mod frame;
 pub(crate) mod gjk;
 mod grid;
+pub(crate) mod impact;
 pub(crate) mod nearest;
 pub(crate) mod ray;
 pub(crate) mod support;

@@ -233,6 +233,33 @@ impl<'a> Core<'a> {
         })
     }
 
+    /// A ball inside: its middle and its radius, metres. The greatest one, but of a hull that around its center.
+    pub fn inner_ball(&self) -> (DVec3, f64) {
+        match *self {
+            Core::Point | Core::Segment { .. } => (DVec3::ZERO, 0.0),
+            Core::Hull(hull) => (DVec3::from(hull.center), f64::from(hull.inner_radius())),
+            Core::Cylinder { half_height, radius } => {
+                (DVec3::ZERO, if half_height < radius { half_height } else { radius })
+            }
+            Core::Cone { half_height, radius } => {
+                // Of the triangle through the axis: area over half of the way around.
+                let side = libm::sqrt(radius * radius + 4.0 * half_height * half_height);
+                let inner = 2.0 * half_height * radius / (radius + side);
+                (DVec3::Z * (inner - half_height), inner)
+            }
+        }
+    }
+
+    /// A cylinder that is thinner by a skin all over, metres; `None` for all others.
+    pub fn thinned(&self, skin: f64) -> Option<Self> {
+        match *self {
+            Core::Cylinder { half_height, radius } => {
+                Some(Core::Cylinder { half_height: half_height - skin, radius: radius - skin })
+            }
+            _ => None,
+        }
+    }
+
     /// The point farthest along a direction of any length, the first one where there are several.
     pub fn support(&self, d: DVec3) -> DVec3 {
         match self {

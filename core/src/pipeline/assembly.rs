@@ -43,6 +43,8 @@ pub(crate) struct Scene<'a> {
     pub memos: &'a [Memo],
     pub touches: &'a [Touch],
     pub joints: &'a [JointRow],
+    /// By slot of a body: not 0 for one with joints.
+    pub first_joints: &'a [u32],
     /// Slots of the joints that are links.
     pub joint_slots: &'a [u32],
     /// Index among the active bodies by slot.
@@ -144,6 +146,7 @@ pub(crate) fn fill<E: Executor>(
         memos: &cache.memos[cache.header[0].memo_half as usize * state.contacts.len()..],
         touches: scratch.touches,
         joints: state.joints,
+        first_joints: state.first_joints,
         joint_slots: scratch.joint_slots,
         active_of: scratch.active_of,
         softness: &softness,
@@ -261,6 +264,6 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
             let slot = active.body as usize;
             Some((active, &scene.motions[slot], &scene.bodies[slot]))
         };
-        *mover = MoverRow::enter(seats, entry, scene.substep);
+        *mover = MoverRow::enter(seats, entry, (scene.substep, scene.first_joints));
     }
 }

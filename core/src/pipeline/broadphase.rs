@@ -42,7 +42,8 @@ pub(crate) fn run<E: Executor>(
         state.header[0].static_version += 1;
     }
     cache.header[0].moving_fits = 0;
-    refresh_trees(state, cache, scratch);
+    let sector_of = |body: u32| state.motions[body as usize].center.sector;
+    refresh_trees((state, sector_of), cache, (scratch.tree_boxes, scratch.tree_keys));
     find_pairs(state, cache, scratch, (moved, crew, counts));
     clear_flags(state, &scratch.moved[..moved]);
     moved
@@ -193,8 +194,12 @@ fn clear_flags(state: &mut State<'_>, moved: &[u32]) {
     }
 }
 
-/// Brings both trees to the boxes in the state.
-pub(crate) fn refresh_trees(state: &State<'_>, cache: &mut Cache<'_>, scratch: &mut Scratch<'_>) {
+/// Brings both trees to the boxes in the state, which are given in the sectors of their bodies.
+pub(crate) fn refresh_trees(
+    (state, sector_of): (&State<'_>, impl Fn(u32) -> [i32; 3]),
+    cache: &mut Cache<'_>,
+    (boxes, keys): (&mut [Aabb], &mut [u64]),
+) {
     let stamp = state.header[0].static_version + 1;
     let statics_fit = cache.header[0].static_stamp == stamp;
     if !statics_fit {
@@ -214,14 +219,15 @@ pub(crate) fn refresh_trees(state: &State<'_>, cache: &mut Cache<'_>, scratch: &
         };
         let used = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high).filter(belongs);
         for slot in used() {
-            scratch.tree_boxes[slot as usize] = tree_box(state, slot, sector);
+            let shape = &state.shapes[slot as usize];
+            boxes[slot as usize] = box_between(shape, sector_of(shape.body), sector);
         }
         let (order, nodes) = if is_static {
             (&mut *cache.static_order, &mut *cache.static_nodes)
         } else {
             (&mut *cache.moving_order, &mut *cache.moving_nodes)
         };
-        let leaves = tree::build(scratch.tree_boxes, used(), scratch.tree_keys, order, nodes) as u32;
+        let leaves = tree::build(boxes, used(), keys, order, nodes) as u32;
         if is_static {
             cache.header[0].static_leaves = leaves;
             cache.header[0].static_stamp = stamp;
@@ -242,9 +248,12 @@ pub(crate) fn first_sector(state: &State<'_>) -> [i32; 3] {
 /// A shape's fat box in the tree's coordinates, never smaller than it is.
 pub(crate) fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
     let shape = &state.shapes[slot as usize];
-    let center = state.motions[shape.body as usize].center;
-    let shift =
-        Position { sector: center.sector, offset: Vec3::ZERO }.minus(Position { sector, offset: Vec3::ZERO });
+    box_between(shape, state.motions[shape.body as usize].center.sector, sector)
+}
+
+/// The fat box of a shape, given in one sector, in another one.
+fn box_between(shape: &ShapeRow, from: [i32; 3], sector: [i32; 3]) -> Aabb {
+    let shift = Position { sector: from, offset: Vec3::ZERO }.minus(Position { sector, offset: Vec3::ZERO });
     if shift == Vec3::ZERO {
         return shape.fat_box;
     }

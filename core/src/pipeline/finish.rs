@@ -9,6 +9,7 @@ use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::Counts;
+use crate::pipeline::continuous::{self, Race};
 use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
 use crate::pipeline::layout::Plan;
@@ -17,7 +18,7 @@ use crate::pipeline::rows::resistance;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::BOX_STALE;
-use crate::state::{Active, Cache, ContactRow, Scratch, State, Touch};
+use crate::state::{Active, AssetTables, Cache, ContactRow, Scratch, State, Touch};
 
 /// Turn from which on a body's stance follows, radians.
 const STANCE_TURN: f32 = 0.01;
@@ -28,12 +29,15 @@ const FINISH_CONTACTS: usize = 512;
 
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (cache, scratch): (&Cache<'_>, &Scratch<'_>),
+    (assets, cache, scratch): (&AssetTables<'_>, &mut Cache<'_>, &mut Scratch<'_>),
     (plan, settings): (&Plan, &Settings),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
     store_impulses(state, (cache, scratch), plan, crew);
-    store_motions(state, (cache, scratch), (plan, settings), (crew, counts));
+    store_motions(state, (assets, cache, scratch), (plan, settings), (crew, counts));
+    if counts.fast > 0 {
+        continuous::run(state, (assets, cache, scratch), settings.dt, (crew, counts));
+    }
     if counts.quarantined > 0 {
         drop_shapes_of_quarantined(state);
     }
@@ -96,6 +100,8 @@ struct Found {
     quarantined: u32,
     capped: u32,
     ready: u32,
+    /// Fast bodies.
+    fast: usize,
 }
 
 /// Counts a step in which the body was quiet: the mean square of its points' speeds is
@@ -107,18 +113,42 @@ fn count_quiet(motion: &Motion, row: &mut BodyRow, speed: f32) {
     row.count_quiet(squares < speed * speed);
 }
 
+/// A run of bodies.
+struct Bodies<'a> {
+    first: usize,
+    motions: &'a mut [Motion],
+    rows: &'a mut [BodyRow],
+    origins: &'a mut [Motion],
+    fast: &'a mut [u32],
+    found: Found,
+}
+
+impl Bodies<'_> {
+    /// Writes what one of the dynamic bodies became, and lists it if it is fast.
+    fn store(&mut self, i: usize, (results, race): (&Results<'_>, &Race<'_>), sleep: Option<u32>) {
+        let (slot, motion, row) = (self.first + i, &mut self.motions[i], &mut self.rows[i]);
+        let before = *motion;
+        let way = results.store(slot, motion, row, &mut self.found);
+        if race.may_be_fast(way, motion) || row.has(CHANGED_SECTOR) {
+            self.origins[i] = before;
+            if race.is_fast(way, (motion, row)) {
+                self.fast[self.found.fast] = slot as u32;
+                self.found.fast += 1;
+            }
+        }
+        if let Some(steps) = sleep {
+            count_quiet(motion, row, race.settings.sleep_speed);
+            self.found.ready += u32::from(row.quiet_steps() >= steps);
+        }
+    }
+}
+
 fn store_motions<E: Executor>(
     state: &mut State<'_>,
-    (cache, scratch): (&Cache<'_>, &Scratch<'_>),
+    (assets, cache, scratch): (&AssetTables<'_>, &Cache<'_>, &mut Scratch<'_>),
     (plan, settings): (&Plan, &Settings),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
-    struct Task<'a> {
-        first: usize,
-        motions: &'a mut [Motion],
-        rows: &'a mut [BodyRow],
-        found: Found,
-    }
     let high = state.header[0].bodies.high as usize;
     let share = chunk(high, FINISH_BODIES);
     let results = Results {
@@ -131,34 +161,40 @@ fn store_motions<E: Executor>(
     };
     let used = &*state.body_used;
     let (dt, sleep) = (settings.dt, settings.sleep_steps());
-    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    let race = Race { shapes: state.shapes, assets, settings };
+    let mut tasks: Tasks<Bodies<'_>> = Tasks::new();
     let parts = state.motions[..high].chunks_mut(share).zip(state.bodies[..high].chunks_mut(share));
-    for (i, (motions, rows)) in parts.enumerate() {
-        push(&mut tasks, Task { first: i * share, motions, rows, found: Found::default() });
+    let places = scratch.origins[..high].chunks_mut(share).zip(scratch.fast[..high].chunks_mut(share));
+    for (i, ((motions, rows), (origins, fast))) in parts.zip(places).enumerate() {
+        push(&mut tasks, Bodies { first: i * share, motions, rows, origins, fast, found: Found::default() });
     }
     crew.run(Stage::Finish, &mut tasks, |task| {
-        for (i, (motion, row)) in task.motions.iter_mut().zip(task.rows.iter_mut()).enumerate() {
-            let slot = task.first + i;
-            if crate::pool::is_used(used, slot as u32) {
-                match row.kind() {
+        for i in 0..task.rows.len() {
+            if crate::pool::is_used(used, (task.first + i) as u32) {
+                match task.rows[i].kind() {
                     BodyKind::Static => {}
-                    BodyKind::Kinematic => move_kinematic(motion, row, dt),
-                    BodyKind::Dynamic if row.has(ASLEEP) => {}
-                    BodyKind::Dynamic => {
-                        results.store(slot, motion, row, &mut task.found);
-                        if let Some(steps) = sleep {
-                            count_quiet(motion, row, settings.sleep_speed);
-                            task.found.ready += u32::from(row.quiet_steps() >= steps);
-                        }
+                    BodyKind::Kinematic => {
+                        task.origins[i] = task.motions[i];
+                        move_kinematic(&mut task.motions[i], &mut task.rows[i], dt);
                     }
+                    BodyKind::Dynamic if task.rows[i].has(ASLEEP) => {}
+                    BodyKind::Dynamic => task.store(i, (&results, &race), sleep),
                 }
             }
         }
     });
+    let mut listed: Tasks<(usize, usize)> = Tasks::new();
     for task in &tasks {
         counts.quarantined += task.found.quarantined;
         counts.capped += task.found.capped;
         counts.ready += task.found.ready;
+        push(&mut listed, (task.first, task.found.fast));
+    }
+    drop(tasks);
+    // One list of the tasks' lists, in their order.
+    for (first, fast) in listed {
+        scratch.fast.copy_within(first..first + fast, counts.fast as usize);
+        counts.fast += fast as u32;
     }
 }
 
@@ -194,7 +230,8 @@ struct Results<'a> {
 }
 
 impl Results<'_> {
-    fn store(&self, slot: usize, motion: &mut Motion, row: &mut BodyRow, found: &mut Found) {
+    /// Returns the motion of the body's center, metres.
+    fn store(&self, slot: usize, motion: &mut Motion, row: &mut BodyRow, found: &mut Found) -> Vec3 {
         let index = self.active_of[slot] as usize;
         let first_seat = self.first_seats[index] as usize;
         let (mover, lane) = (&self.movers[first_seat / LANES], first_seat % LANES);
@@ -205,7 +242,11 @@ impl Results<'_> {
             center: motion.center.plus(displacement),
             rotation,
             linear: Vec3::new(u[0], u[1], u[2]),
-            angular: angular_velocity((&self.active[index], motion, row), whitened, rotation),
+            angular: angular_velocity(
+                (&self.active[index], motion, row),
+                (whitened, mover.view(lane)),
+                rotation,
+            ),
         };
         row.force = Vec3::ZERO;
         row.torque = Vec3::ZERO;
@@ -214,15 +255,21 @@ impl Results<'_> {
         if !after.is_finite() || !displacement.is_finite() || !inside {
             quarantine(motion, row);
             found.quarantined += 1;
-            return;
+            return Vec3::ZERO;
         }
         if after.center.sector != motion.center.sector {
             row.flags |= CHANGED_SECTOR;
         }
         *motion = after;
-        if !is_near(after.rotation, row.stance) {
-            row.stance = after.rotation.pack();
-        }
+        follow_stance(motion, row);
+        displacement
+    }
+}
+
+/// The stance follows a body that has turned.
+pub(crate) fn follow_stance(motion: &Motion, row: &mut BodyRow) {
+    if !is_near(motion.rotation, row.stance) {
+        row.stance = motion.rotation.pack();
     }
 }
 

@@ -47,6 +47,7 @@ pub(crate) struct Scene<'a> {
     pub motions: &'a [Motion],
     pub frames: &'a [Words],
     pub reaches: &'a [Reach],
+    pub first_joints: &'a [u32],
 }
 
 impl Scene<'_> {
@@ -74,8 +75,19 @@ impl Scene<'_> {
         (self.reaches[a as usize].flags | self.reaches[b as usize].flags) & Reach::ASLEEP != 0
     }
 
-    fn motion(&self, shape: u32) -> &Motion {
+    pub fn motion(&self, shape: u32) -> &Motion {
         &self.motions[self.reaches[shape as usize].body as usize]
+    }
+
+    /// The frame of a shape in world axes, from its body's center.
+    pub fn frame(&self, shape: u32) -> Pose {
+        frame_of(self.frames[shape as usize])
+    }
+
+    /// How B moves against A in `dt` seconds, in A's frame, metres.
+    pub fn motion_between(&self, [a, b]: [u32; 2], dt: f32) -> Vec3 {
+        let motion = (self.motion(b).linear - self.motion(a).linear) * dt;
+        self.frame(a).rotation.unrotate(motion)
     }
 
     /// The shapes of a pair in the order in which they are collided: the richer one first, of equals the lower
@@ -136,7 +148,7 @@ impl Meeting {
         self.way <= SLOW_MAX && self.turns * squared <= SLOW_MAX * SLOW_MAX
     }
 
-    /// Points at the poses now. Fast bodies are stopped at the surface, not behind it: look as far as they come.
+    /// Points at the poses now. Bodies are stopped at the surface, not behind it: look as far as they come.
     pub fn collide(&self, solids: (&Solid<'_>, &Solid<'_>), found: &mut Manifolds) {
         let pose = Pose::new(self.b_in_a.position, self.b_in_a.rotation.renormalized());
         collide::collide(solids.0, solids.1, &pose, SPECULATIVE_DISTANCE + self.way, found);

@@ -43,11 +43,23 @@ pub(crate) struct MoverRow {
     top: Lane,
     /// 1 when a speed was capped in this step.
     capped: Lane,
+    /// Slender tops: where the long axis pointed at the start, and where it points in the view that the seats
+    /// have.
+    axis: LaneVec,
+    view: LaneVec,
     /// 1 when some lane is a free top.
     tops: u32,
+    /// Bit for each lane with a slender top that has no joints.
+    slender: u32,
     /// Zero.
-    reserved: [u32; 7],
+    reserved: [u32; 6],
 }
+
+/// A top is slender when the moment about its long axis is less than a third of the next one.
+const SLENDER: f32 = 2.0;
+/// Share of the energy of a blow that may be told wrong before the seats of a slender top have the view of a body
+/// that did not turn: the square of the turn of its long axis times the ratio of the moments, less 1.
+const VIEW_ERROR: f32 = 0.1;
 
 impl MoverRow {
     /// The row of bodies at the start of a step of `substep` seconds per substep, and their seats; where `entry`
@@ -55,7 +67,7 @@ impl MoverRow {
     pub fn enter<'a>(
         seats: &mut [Seat; LANES],
         entry: impl Fn(usize) -> Option<(&'a Active, &'a Motion, &'a BodyRow)>,
-        substep: f32,
+        (substep, first_joints): (f32, &[u32]),
     ) -> Self {
         let mut row = Self::zeroed();
         let mut frames = [Words::new([0.0, 0.0, 0.0, 1.0, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]); LANES];
@@ -76,6 +88,16 @@ impl MoverRow {
         let [xx, yy, zz, xy, xz, yz, top, _] = transpose(turns);
         row.turn = [LaneVec::new(xx, yy, zz), LaneVec::new(xy, xz, yz)];
         row.top = top;
+        for lane in 0..LANES {
+            let has_joints = |slot: u32| first_joints.get(slot as usize).is_some_and(|&first| first != 0);
+            let is_slender = row.far.get(lane) > SLENDER
+                && entry(lane).is_some_and(|(active, ..)| !has_joints(active.body));
+            row.slender |= u32::from(is_slender) << lane;
+        }
+        if row.slender != 0 {
+            row.axis = row.frame.third();
+            row.view = row.axis;
+        }
         row
     }
 
@@ -128,8 +150,8 @@ impl MoverRow {
         (v + tiny) - tiny
     }
 
-    /// Moves the bodies by their velocities, and their nudges if there are any, for a substep, and notes the motion
-    /// in the seats.
+    /// Moves the bodies by their velocities, and their nudges if there are any, for a substep, and notes the
+    /// motion in the seats.
     pub fn advance(&mut self, seats: &mut [Seat; LANES], substep: f32, nudges: bool) {
         let (mut v, mut whitened) = velocities(seats);
         let mut turn = root_times(&self.turn, whitened);
@@ -140,12 +162,18 @@ impl MoverRow {
             (v, whitened) = velocities(seats);
             turn = root_times(&self.turn, whitened);
         }
+        if self.slender != 0 {
+            turn = swung((self.axis, self.view), turn);
+        }
         let h = Lane::splat(substep);
         let nudge = if nudges { self.take_nudges(seats, substep) } else { Nudge::NONE };
         let moved = (v + nudge.linear).times(h);
         self.displacement = self.displacement + moved;
         let before = (nudge.any && self.tops != 0).then(|| self.frame.third());
-        let turned = self.turn_by(turn, whitened.times(h), &nudge);
+        let mut turned = self.turn_by(turn, whitened.times(h), &nudge);
+        if self.slender != 0 {
+            turned = self.look_again(seats, turn, turned);
+        }
         if let Some(before) = before {
             self.take_back(seats, (before, nudge.momentum));
         }
@@ -156,7 +184,8 @@ impl MoverRow {
         }
     }
 
-    /// Turns the bodies. `whitened` is the whitened rotation vector of those that are no tops; returns that of all.
+    /// Turns the bodies. `whitened` is the whitened rotation vector of those that are no tops; returns that of
+    /// all.
     #[inline(always)]
     fn turn_by(&mut self, turn: LaneVec, whitened: LaneVec, nudge: &Nudge) -> LaneVec {
         let turn = if nudge.any { turn + nudge.momentum } else { turn };
@@ -208,6 +237,67 @@ impl MoverRow {
             seat.velocity = seat.velocity - change;
             *star = *star - change;
         }
+    }
+
+    /// Gives the seats of slender tops that have turned in this step, and were touched, the view of a body that
+    /// did not turn. `turn` is that of the momentum, and `turned` the whitened rotation vector of the substep,
+    /// which is returned as the seats see it.
+    ///
+    /// Rows keep the arms and the inertia of the start of the step. A rod that has turned by then takes the
+    /// impulse at its end about its long axis, of which it has hardly any inertia: in a step a blow could give
+    /// it a hundred times its energy. So the seats see the momentum turned back with the long axis, and what
+    /// they change of it is turned on. The body stays the one that the rows know; the price is that action and
+    /// reaction are turned against each other as the arms are.
+    #[inline(never)]
+    fn look_again(&mut self, seats: &mut [Seat; LANES], turn: LaneVec, turned: LaneVec) -> LaneVec {
+        let third = self.frame.third();
+        let cosine = self.axis.dot(third);
+        let back = |view: LaneVec| (view, self.axis);
+        let mut view = self.axis;
+        let mut any = false;
+        for (lane, (seat, star)) in seats.iter().zip(&self.star).enumerate() {
+            if self.slender >> lane & 1 == 0 {
+                continue;
+            }
+            let (u, v) = (seat.velocity.to_array(), star.to_array());
+            let viewed = self.view.get(lane) != self.axis.get(lane);
+            any |= viewed;
+            if 2.0 * (1.0 - cosine.get(lane)) * self.far.get(lane) > VIEW_ERROR
+                && (viewed || u[4..7] != v[4..7])
+            {
+                view.set(lane, third.get(lane));
+                any = true;
+            }
+        }
+        if !any {
+            return turned;
+        }
+        let vector = integration::solve(&self.turn, turned);
+        let seen = root_times(&self.turn, swung(back(self.view), vector));
+        let whitened = integration::solve(&self.turn, swung(back(view), turn));
+        let old = core::mem::replace(&mut self.view, view);
+        let mut result = turned;
+        for (lane, (seat, star)) in seats.iter_mut().zip(&mut self.star).enumerate() {
+            let axis = self.axis.get(lane);
+            if old.get(lane) != axis {
+                result.set(lane, seen.get(lane));
+            }
+            if old.get(lane) != axis || view.get(lane) != axis {
+                let u = seat.velocity.to_array();
+                let w = whitened.get(lane);
+                let change = Words::new([0.0, 0.0, 0.0, 0.0, w.x - u[4], w.y - u[5], w.z - u[6], 0.0]);
+                seat.velocity = seat.velocity + change;
+                *star = *star + change;
+            }
+        }
+        result
+    }
+
+    /// From where to where the long axis of a body is turned that the seats see as at the start of the step;
+    /// `None` where they see it as it is.
+    pub fn view(&self, lane: usize) -> Option<(Vec3, Vec3)> {
+        let (axis, view) = (self.axis.get(lane), self.view.get(lane));
+        (self.slender >> lane & 1 != 0 && axis != view).then_some((axis, view))
     }
 
     /// Caps speed and spin at the documented maxima.
@@ -273,6 +363,16 @@ impl Nudge {
     };
 }
 
+/// A vector under the least rotation that takes one unit vector to another: `v + c x v + c x (c x v) / (1 + a .
+/// b)` with `c = a x b`.
+fn swung((from, to): (LaneVec, LaneVec), v: LaneVec) -> LaneVec {
+    let across = from.cross(to);
+    let one = Lane::splat(1.0);
+    let share = one / (one + from.dot(to)).greatest(Lane::splat(1.0e-6));
+    let turned = across.cross(v);
+    v + turned + across.cross(turned).times(share)
+}
+
 /// True when a body of unequal moments turns about all axes.
 pub(crate) fn is_top(row: &BodyRow) -> bool {
     let equal = row.inertia.x == row.inertia.y && row.inertia.y == row.inertia.z;
@@ -330,7 +430,7 @@ fn velocities(seats: &[Seat; LANES]) -> (LaneVec, LaneVec) {
 /// minute.
 pub(crate) fn angular_velocity(
     (active, motion, row): (&Active, &Motion, &BodyRow),
-    whitened: Vec3,
+    (whitened, view): (Vec3, Option<(Vec3, Vec3)>),
     rotation: Rotation,
 ) -> Vec3 {
     if !is_top(row) {
@@ -341,10 +441,26 @@ pub(crate) fn angular_velocity(
     let change = start.undo(to_f64(whitened - active.whitened));
     let moments = active.inertia(row);
     let (inertia, root) = (to_f64(moments), to_f64(integration::square_roots(moments)));
-    let momentum = start.apply(core::array::from_fn(|i| inertia[i] * spin[i] + root[i] * change[i]));
+    let mut momentum = start.apply(core::array::from_fn(|i| inertia[i] * spin[i] + root[i] * change[i]));
+    if let Some((from, to)) = view {
+        momentum = swung_wide(to_f64(from), to_f64(to), momentum);
+    }
     let end = Turn::of(rotation.after(row.axes));
     let local = end.undo(momentum);
     to_vec3(end.apply(core::array::from_fn(|i| local[i] / inertia[i])))
+}
+
+/// See [`swung`].
+fn swung_wide(from: Vector, to: Vector, v: Vector) -> Vector {
+    let cross = |a: Vector, b: Vector| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let across = cross(from, to);
+    let along = 1.0 + dot(from, to);
+    let share = 1.0 / if along > 1.0e-6 { along } else { 1.0e-6 };
+    let turned = cross(across, v);
+    let again = cross(across, turned);
+    core::array::from_fn(|i| v[i] + turned[i] + again[i] * share)
 }
 
 /// A rotation in double precision: the rows of its matrix.

@@ -1,12 +1,14 @@
 //! Narrowphase (the talk's second stage, SEED S3): contact points of every pair.
 //!
-//! A task has a run of pairs and the contacts that these had in the step before. Contacts that go on are brought up
-//! to date where they are; those that begin are written aside and those that end are marked, for `contacts.rs`.
-//! Impulses are carried over by feature.
+//! A task has a run of pairs and the contacts that these had in the step before. Contacts that go on are
+//! brought up to date where they are; those that begin are written aside and those that end are marked, for
+//! `contacts.rs`. Impulses are carried over by feature.
 
 use crate::collide::{MANIFOLDS_MAX, Manifold, Manifolds, POINTS_MAX};
+use crate::config::Settings;
 use crate::executor::{Executor, Stage};
-use crate::math::{Pose, max, sqrt};
+use crate::math::{Pose, Vec3, max, sqrt};
+use crate::pipeline::approach::{self, Approach};
 use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::rules::{Acts, Rules};
@@ -26,11 +28,11 @@ const COLLIDE_PAIRS: usize = 64;
 /// changed ones are among them. `woken` contacts are back from sleep, and listed too.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt, moved, woken): (&AssetTables<'_>, f32, usize, usize),
+    (assets, settings, moved, woken): (&AssetTables<'_>, &Settings, usize, usize),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
-    let yields = collide_pairs(state, (assets, dt), (cache, scratch), crew);
+    let yields = collide_pairs(state, (assets, settings), (cache, scratch), crew);
     cache.header[0].memos_fit = 1;
     let change = contacts::merge(state, (cache, scratch), (&yields, woken), (crew, counts));
     for &slot in &scratch.moved[..moved] {
@@ -42,7 +44,7 @@ pub(crate) fn run<E: Executor>(
 /// Brings every pair's contacts up to date.
 fn collide_pairs<E: Executor>(
     state: &mut State<'_>,
-    (assets, dt): (&AssetTables<'_>, f32),
+    (assets, settings): (&AssetTables<'_>, &Settings),
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     crew: &mut Crew<'_, E>,
 ) -> Tasks<Yield> {
@@ -54,10 +56,12 @@ fn collide_pairs<E: Executor>(
             motions: state.motions,
             frames: scratch.frames,
             reaches: scratch.reaches,
+            first_joints: state.first_joints,
         },
         rules: Rules::new(state.materials, &state.pair_rules[..header.pair_rules as usize]),
         assets,
-        dt,
+        dt: settings.dt,
+        continuous: settings.continuous,
         memos_fit: cache.header[0].memos_fit != 0,
     };
     let pairs = &state.pairs[..pair_count];
@@ -109,6 +113,7 @@ struct Look<'a> {
     rules: Rules<'a>,
     assets: &'a AssetTables<'a>,
     dt: f32,
+    continuous: bool,
     memos_fit: bool,
 }
 
@@ -126,6 +131,30 @@ impl Look<'_> {
             matches!(self.shape(slot).kind, GEOMETRY_MESH | GEOMETRY_HEIGHT_FIELD | GEOMETRY_COMPOUND)
         };
         pairs.iter().filter(|pair| concave(pair.a) || concave(pair.b)).count() * (MANIFOLDS_MAX - 1)
+    }
+
+    /// How the two shapes of a pair come to each other, and what rules are about them.
+    fn find(&self, pair: Pair, slots: [u32; 2]) -> Found<'_> {
+        let shapes = (self.shape(slots[0]), self.shape(slots[1]));
+        let meeting = Meeting::new(&self.scene, slots, self.dt);
+        let ruled = self.rules.concern(shapes);
+        let acts = if ruled { self.rules.acts(shapes) } else { Acts::default() };
+        let approach = if self.continuous {
+            Approach::new(&self.scene, &meeting, (slots, self.assets, self.dt))
+        } else {
+            Approach::Slow
+        };
+        Found {
+            pair,
+            slots,
+            shapes,
+            meeting,
+            exchanged: self.are_exchanged(slots),
+            ruled,
+            acts,
+            approach,
+            way: Vec3::ZERO,
+        }
     }
 
     /// True when the solver's A is the body of shape B. A is dynamic; of two dynamic bodies it is the rounder one.
@@ -183,9 +212,25 @@ struct Found<'a> {
     ruled: bool,
     /// What the surfaces do.
     acts: Acts,
+    approach: Approach,
+    /// How far B moves against A until they stand as their contacts were found, in A's frame, metres.
+    way: Vec3,
 }
 
 impl Found<'_> {
+    /// The memo of one of the pair's manifolds, found at a pose of B in A's frame less the way.
+    fn memo(&self, manifold: &Manifold, b_in_a: &Pose, settled: bool) -> Memo {
+        if self.way == Vec3::ZERO {
+            return meeting::memo(manifold, b_in_a, self.exchanged, settled);
+        }
+        let touch = Pose::new(b_in_a.position + self.way, b_in_a.rotation);
+        let mut memo = meeting::memo(manifold, &touch, self.exchanged, settled);
+        for (tail, point) in memo.tail.iter_mut().zip(&manifold.points) {
+            *tail = (point.separation - manifold.normal.dot(self.way)).to_bits();
+        }
+        memo
+    }
+
     fn touch(&self, settled: bool) -> Touch {
         let Found { slots, shapes: (a, b), meeting, exchanged, .. } = self;
         let shapes = if *exchanged { [slots[1], slots[0]] } else { *slots };
@@ -194,7 +239,11 @@ impl Found<'_> {
             friction: sqrt(a.friction * b.friction),
             restitution: max(a.restitution, b.restitution),
             centers: if *exchanged { -meeting.centers } else { meeting.centers },
-            settled: if settled { 1.0 } else { 0.0 },
+            settled: match (settled, self.approach) {
+                (true, _) => Touch::SETTLED,
+                (_, Approach::Slow) => 0.0,
+                _ => Touch::FAST,
+            },
         }
     }
 
@@ -205,7 +254,7 @@ impl Found<'_> {
             self.take_material(manifold.surface, look, &mut touch);
             // More points than two resist by themselves.
             if self.acts.moves || (self.acts.resists && manifold.points.len() <= 2) {
-                touch.settled = -1.0;
+                touch.settled += Touch::ACTS;
             }
         }
         touch
@@ -278,10 +327,8 @@ impl Task<'_> {
             self.end_until(|row| row.pair == pair);
             return;
         }
-        let meeting = Meeting::new(&look.scene, slots, look.dt);
-        let ruled = look.rules.concern(shapes);
-        let acts = if ruled { look.rules.acts(shapes) } else { Acts::default() };
-        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots), ruled, acts };
+        let mut found = look.find(pair, slots);
+        let (approach, acts) = (found.approach, found.acts);
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);
@@ -311,7 +358,12 @@ impl Task<'_> {
                 self.take_over(look, &found, (manifold, &base, Some(memory)), olds);
             }
         } else {
-            found.meeting.collide(solids, manifolds);
+            if approach == Approach::Slow {
+                found.meeting.collide(solids, manifolds);
+            } else {
+                let motion = look.scene.motion_between(slots, look.dt);
+                found.way = approach::collide(&found.meeting, solids, (approach, motion), manifolds);
+            }
             self.hold_back(look, (&found, first), manifolds);
             if self.goes_on(look, (&found, first), manifolds) {
                 return;
@@ -359,7 +411,7 @@ impl Task<'_> {
             && row.tag.points() == count
             && row.memory[..POINTS_MAX] == features;
         if same {
-            self.memos[first] = meeting::memo(manifold, &found.meeting.b_in_a, found.exchanged, false);
+            self.memos[first] = found.memo(manifold, &found.meeting.b_in_a, false);
             self.touches[first] = found.touch_of(manifold, look);
         }
         same
@@ -390,7 +442,8 @@ impl Task<'_> {
         }
     }
 
-    /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact keeps.
+    /// Writes a manifold over the contact of before, or as one that begins. `base` is what a settled contact
+    /// keeps.
     fn take_over(
         &mut self,
         look: &Look<'_>,
@@ -418,7 +471,7 @@ impl Task<'_> {
         {
             row.set_resistance(old.row.resistance());
         }
-        let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
+        let memo = found.memo(manifold, b_in_a, base.is_some());
         let touch = if base.is_some() { found.settled_touch(look) } else { found.touch_of(manifold, look) };
         if let Some(old) = old {
             self.rows[old.place] = row;

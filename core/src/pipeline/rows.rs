@@ -15,7 +15,7 @@ use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::chord;
 use crate::pipeline::layout::EMPTY;
 use crate::pipeline::solver::take;
-use crate::state::{Active, ContactRow, Memo};
+use crate::state::{Active, ContactRow, Memo, Touch};
 use acting::Acts;
 pub(crate) use acting::resistance;
 use bytemuck::{Pod, Zeroable, cast_ref};
@@ -138,6 +138,8 @@ struct Sides {
     surfaces: u32,
     /// Where a surface moves or resists by its material.
     acts: Option<Acts>,
+    /// True when a contact is a fast one.
+    hurries: bool,
 }
 
 /// A frame in every lane.
@@ -183,6 +185,8 @@ struct Placed {
     count: Lane,
     /// Whether the separations follow from the points.
     settled: Mask,
+    /// The same, or whether the point of contact is A's; when it is for some lane.
+    fast: Option<Mask>,
     /// What a spring gives, as a share of what the bodies give.
     give: Lane,
 }
@@ -215,7 +219,7 @@ impl Sides {
         let (mut touches, mut stored) = ([Words::ZERO; LANES], [Words::ZERO; LANES]);
         let mut sign = Lane::ZERO;
         let mut counts = [0; LANES];
-        let (mut surfaces, mut settles, mut acts) = (0, false, false);
+        let (mut surfaces, mut settles, mut hurries, mut acts) = (0, false, false, false);
         for (lane, &contact) in contacts.iter().enumerate() {
             if contact == EMPTY {
                 continue;
@@ -232,8 +236,10 @@ impl Sides {
             }
             frames_a[lane] = scene.frames[touch.shapes[0] as usize];
             frames_b[lane] = scene.frames[touch.shapes[1] as usize];
-            let stances = if touch.settled > 0.0 { scene.stances } else { scene.frames };
-            settles |= touch.settled > 0.0;
+            let settled = touch.settled == Touch::SETTLED;
+            let stances = if settled { scene.stances } else { scene.frames };
+            settles |= settled;
+            hurries |= touch.is_fast();
             stances_a[lane] = stances[touch.shapes[0] as usize];
             stances_b[lane] = stances[touch.shapes[1] as usize];
             memos[lane] = &scene.memos[contact];
@@ -251,12 +257,6 @@ impl Sides {
                 b[lane] = row;
             }
         }
-        let mut memo = [Lane::ZERO; 32];
-        let several = counts.iter().any(|&count| count > 1);
-        // The second run of words has the points on A after the first: 1 to 3.
-        for (k, own) in memo.chunks_exact_mut(8).enumerate().filter(|&(k, _)| several || k != 1) {
-            own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
-        }
         Self {
             contacts: *contacts,
             counts,
@@ -265,12 +265,13 @@ impl Sides {
             frame_a: Frame::of(frames_a),
             frame_b: Frame::of(frames_b),
             stances: settles.then(|| [Frame::of(stances_a), Frame::of(stances_b)]),
-            memo,
+            memo: words_of(memos, counts.iter().any(|&count| count > 1)),
             touch: transpose(touches),
             stored: transpose(stored),
             sign,
             surfaces,
             acts: acts.then(|| Acts::gather(scene, contacts)),
+            hurries,
         }
     }
 
@@ -310,7 +311,11 @@ impl Sides {
             centers: LaneVec::new(x, y, z),
             yields: normal.dot(normal.each_times(free)),
             count: row.count,
-            settled: settled.greater(zero),
+            settled: settled.greater(Lane::splat(Touch::FAST)),
+            fast: self.hurries.then(|| {
+                let acts = settled.less(zero);
+                acts.select(settled - Lane::splat(Touch::ACTS), settled).greater(zero)
+            }),
             give: soft(|s| s.give),
         }
     }
@@ -336,6 +341,10 @@ impl Sides {
         let on_a = self.frame_a.rotate(a) + self.frame_a.position;
         let on_b = self.frame_b.rotate(b) + self.frame_b.position + found.centers;
         let mut place = (on_a + on_b).times(Lane::splat(0.5));
+        if let Some(fast) = found.fast {
+            // Far ahead: friction will act where A's surface is, and B's arm follows the slide.
+            place = fast.select_vec(on_a, place);
+        }
         let mut arm_b = place - found.centers;
         if let Some([stance_a, stance_b]) = &self.stances {
             place = found.settled.select_vec(stance_a.rotate(a) + stance_a.position, place);
@@ -482,6 +491,17 @@ impl Sides {
 #[inline(always)]
 fn words<T: Pod, const N: usize>(row: &T) -> &[Words; N] {
     cast_ref(row)
+}
+
+/// The words of memos, of one point each or of several.
+#[inline(always)]
+fn words_of(memos: [&Memo; LANES], several: bool) -> [Lane; 32] {
+    let mut found = [Lane::ZERO; 32];
+    // The second run of words has the points on A after the first: 1 to 3.
+    for (k, own) in found.chunks_exact_mut(8).enumerate().filter(|&(k, _)| several || k != 1) {
+        own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
+    }
+    found
 }
 
 /// The stored impulses of a contact, as a run of words, without those of its resistance.

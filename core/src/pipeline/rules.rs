@@ -102,6 +102,15 @@ pub(crate) fn may_resist(slots: [u32; 2], shapes: &[ShapeRow], materials: &[Mate
     slots.into_iter().any(|slot| shapes[slot as usize].traits(materials).resists())
 }
 
+/// False when something may pass between two shapes: their bodies ignore each other, or one is solid from one side.
+/// Such a one stops by its contacts, which look as far as a step goes.
+pub(crate) fn stand_in_the_way(state: &State<'_>, slots: [u32; 2]) -> bool {
+    let [a, b] = slots.map(|slot| &state.shapes[slot as usize]);
+    let rules = Rules::new(state.materials, &state.pair_rules[..state.header[0].pair_rules as usize]);
+    let one_way = [a, b].into_iter().any(|shape| shape.traits(state.materials).one_way != Vec3::ZERO);
+    !one_way && !rules.ignore([a.body, b.body])
+}
+
 /// Lets bodies touch again that are apart by now. The boxes are those of the step.
 pub(crate) fn end_ignored(state: &mut State<'_>, (assets, dt): (&AssetTables<'_>, f32)) {
     let count = state.header[0].pair_rules as usize;

@@ -144,6 +144,7 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
             motions: state.motions,
             frames: scratch.frames,
             reaches: scratch.reaches,
+            first_joints: state.first_joints,
         };
         if !scene.may_touch(pair) {
             continue;

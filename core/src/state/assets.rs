@@ -107,6 +107,10 @@ region! {
         child_nodes: Aabb = c.compound_children as usize * 3 / 2 + 16 * c.compounds as usize,
         child_order: u32 = c.compound_children as usize,
         surfaces: Surface = c.surfaces as usize,
+        /// Inner radius of each hull, and the least of the children of each compound, metres. They follow from the
+        /// rest.
+        hull_radii: f32 = c.hulls as usize,
+        compound_radii: f32 = c.compounds as usize,
     }
 }
 
@@ -129,6 +133,8 @@ pub(crate) struct AssetTables<'a> {
     pub child_nodes: &'a [Aabb],
     pub child_order: &'a [u32],
     pub surfaces: &'a [Surface],
+    pub hull_radii: &'a [f32],
+    pub compound_radii: &'a [f32],
 }
 
 impl<'a> AssetTables<'a> {
@@ -150,6 +156,8 @@ impl<'a> AssetTables<'a> {
             child_nodes: layout.child_nodes.of(region),
             child_order: layout.child_order.of(region),
             surfaces: layout.surfaces.of(region),
+            hull_radii: layout.hull_radii.of(region),
+            compound_radii: layout.compound_radii.of(region),
         }
     }
 

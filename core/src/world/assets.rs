@@ -27,6 +27,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let index = header.hulls;
         let row = assets.hulls.get_mut(index as usize).ok_or(Error::Full { name: "hulls" })?;
         *row = row_of(&tables);
+        assets.hull_radii[index as usize] = tables.view().inner_radius();
         header.hulls += 1;
         header.hash = hash(bytemuck::bytes_of(row), header.hash ^ 1);
         Ok(HullHandle(index))

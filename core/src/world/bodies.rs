@@ -6,8 +6,8 @@ use super::materials::{drop_material, drop_rules};
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::{
-    self, ASLEEP, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
-    Position, SLEEPLESS, STOPS_AFTER_STEP,
+    self, ASLEEP, AxisLocks, BULLET, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties,
+    Motion, Position, SLEEPLESS, STOPS_AFTER_STEP,
 };
 use crate::collide::mass::MassAccumulator;
 use crate::error::Error;
@@ -51,6 +51,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         row.set_locks(def.locks);
         if !def.can_sleep {
             row.flags |= SLEEPLESS;
+        }
+        if def.bullet {
+            row.flags |= BULLET;
         }
         row.axes = Rotation::IDENTITY;
         row.stance = def.rotation.normalized().pack();
@@ -176,6 +179,24 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Mass, center and inertia; those it would have, for a body that is not dynamic.
     pub fn mass_properties(&self, body: BodyHandle) -> Result<MassProperties, Error> {
         Ok(self.body_row(body)?.mass_properties())
+    }
+
+    /// True when the body is stopped at dynamic bodies too when it is fast; see [`BodyDef::bullet`].
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn is_bullet(&self, body: BodyHandle) -> Result<bool, Error> {
+        Ok(self.body_row(body)?.has(BULLET))
+    }
+
+    /// Sets whether the body is stopped at dynamic bodies too when it is fast; see [`BodyDef::bullet`].
+    ///
+    /// # Errors
+    /// [`Error::Stale`].
+    pub fn set_bullet(&mut self, body: BodyHandle, bullet: bool) -> Result<(), Error> {
+        let row = self.body_row_mut(body)?;
+        row.flags = if bullet { row.flags | BULLET } else { row.flags & !BULLET };
+        Ok(())
     }
 
     /// Yours.

@@ -5,11 +5,12 @@ use super::assets::{bytes, run_mut};
 use super::checksum::hash;
 use crate::arena::Line;
 use crate::collide::bounds::aabb;
+use crate::collide::cast::support::inner_radius;
 use crate::collide::compound::{CHILDREN_MAX, Child, Compound, CompoundError, convex_solid};
 use crate::collide::tree;
 use crate::error::Error;
 use crate::handle::CompoundHandle;
-use crate::math::Pose;
+use crate::math::{Pose, min};
 use crate::shape::Geometry;
 use crate::state::CompoundRow;
 use crate::validate;
@@ -50,12 +51,15 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             first_node: header.child_nodes,
             nodes: tree::node_count(children.len()) as u32,
         };
+        let mut inner = f32::MAX;
         let own = run_mut(assets.children, row.first_child, row.children);
         for (i, (slot, child)) in own.iter_mut().zip(children).enumerate() {
             let (kind, size) = child.geometry.to_row();
             let pose = Pose::new(child.pose.position, child.pose.rotation.normalized());
             *slot = Child { kind, size, pose };
-            scratch.child_boxes[i] = aabb(&convex_solid(kind, size, assets.hulls), &pose);
+            let solid = convex_solid(kind, size, assets.hulls);
+            scratch.child_boxes[i] = aabb(&solid, &pose);
+            inner = min(inner_radius(&solid), inner);
         }
         tree::build(
             scratch.child_boxes,
@@ -65,6 +69,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             run_mut(assets.child_nodes, row.first_node, row.nodes),
         );
         assets.compounds[index as usize] = row;
+        assets.compound_radii[index as usize] = inner;
         let seed = hash(bytemuck::bytes_of(&row), assets.header[0].hash ^ 4);
         let header = &mut assets.header[0];
         header.compounds += 1;

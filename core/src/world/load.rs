@@ -7,7 +7,7 @@ mod sleep;
 use super::World;
 use super::snapshot::{Section, check_content, parts};
 use crate::arena::Line;
-use crate::body::{self, BodyKind, BodyRow, FLAGS_ALL, Motion};
+use crate::body::{self, BodyKind, BodyRow, Motion};
 use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
@@ -203,8 +203,8 @@ impl Parts<'_> {
             p.sector.iter().all(|s| s.unsigned_abs() <= SECTOR_MAX as u32)
                 && validate::vector_within("", p.offset, SECTOR_REACH).is_ok()
         };
-        row.flags & !FLAGS_ALL == 0
-            && row.flags & body::KIND_MASK <= BodyKind::Dynamic as u32
+        // Every bit of the flags means something.
+        row.flags & body::KIND_MASK <= BodyKind::Dynamic as u32
             && inside(&motion.center)
             && is_rotation(motion.rotation)
             // Speeds are capped when they are integrated, not when they are left: a light body may be left with

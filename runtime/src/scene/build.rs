@@ -306,6 +306,7 @@ fn body_def(doc: &BodyDoc) -> BodyDef {
         angular_damping: doc.angular_damping,
         gravity_scale: doc.gravity_scale,
         can_sleep: doc.can_sleep,
+        bullet: doc.bullet,
         locks: locks.fold(AxisLocks::NONE, AxisLocks::and),
         mass: doc.mass.as_ref().map(|mass| MassProperties {
             mass: mass.mass,

@@ -255,6 +255,9 @@ pub struct BodyDoc {
     /// Whether it may fall asleep.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub can_sleep: bool,
+    /// Whether it is stopped at other dynamic bodies too when it is fast.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub bullet: bool,
     /// The game's own number.
     #[serde(default, skip_serializing_if = "is_default")]
     pub user: u64,
@@ -277,6 +280,7 @@ impl Default for BodyDoc {
             locks: Vec::new(),
             mass: None,
             can_sleep: true,
+            bullet: false,
             user: 0,
             shapes: Vec::new(),
         }

@@ -134,3 +134,23 @@ fn a_sleeping_load_stays() {
     assert!((height(&world, body) - 0.35).abs() < 2.0e-3);
     assert_eq!(world.is_asleep(body), Ok(true));
 }
+
+/// Fast things are stopped from above and let through from below, as slow ones are.
+#[test]
+fn fast_things_are_stopped_from_one_side_only() {
+    for speed in [60.0_f32, 300.0] {
+        let mut world = room(3);
+        world.set_settings(&Settings { gravity: Vec3::ZERO, ..Settings::default() }).expect("in range");
+        platform(&mut world);
+        let from = |x: f32, z: f32, speed: f32| BodyDef {
+            linear_velocity: Vec3::new(0.0, 0.0, speed),
+            ..dynamic(x, 0.0, z)
+        };
+        let (down, _) = add(&mut world, &from(-1.0, 9.3, -speed), &ball(0.1));
+        let (up, _) = add(&mut world, &from(1.0, -9.3, speed), &ball(0.1));
+        run(&mut world, RATE / 2);
+        assert!(height(&world, down) > 0.19, "{speed} m/s: {}", height(&world, down));
+        let free = -9.3 + f64::from(speed) * 0.5;
+        assert!((height(&world, up) - free).abs() < 1.0e-2 * free, "{speed} m/s: {}", height(&world, up));
+    }
+}

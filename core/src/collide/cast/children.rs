@@ -9,11 +9,16 @@ use glam::DVec3;
 /// Boxes of children are rounded by less than this fraction of the tree's greatest coordinate.
 const SLACK: f64 = 1.0e-6;
 
-/// A box (least and greatest coordinates) that grows by the rounding of the children's boxes.
-pub(super) fn grown(compound: &Compound<'_>, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
+/// By how much the children's boxes may be off, metres.
+pub(super) fn slack(compound: &Compound<'_>) -> f64 {
     let bounds = compound.tree.bounds();
     let reach = crate::math::max_each(bounds.min.abs(), bounds.max.abs()).max_element();
-    let slack = DVec3::splat(SLACK * f64::from(reach));
+    SLACK * f64::from(reach)
+}
+
+/// A box (least and greatest coordinates) that grows by the rounding of the children's boxes.
+pub(super) fn grown(compound: &Compound<'_>, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
+    let slack = DVec3::splat(slack(compound));
     (low - slack, high + slack)
 }
 
@@ -59,6 +64,11 @@ impl<'a> Parts<'a> {
             (each(least, low, |a, b| a < b), each(most, high, |a, b| a > b))
         })
     }
+}
+
+/// The greatest size of each coordinate of a box.
+pub(crate) fn most(low: DVec3, high: DVec3) -> DVec3 {
+    each(-low, high, |a, b| a > b)
 }
 
 /// Of each component of two vectors the one that `is_first` says.

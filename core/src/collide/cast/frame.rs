@@ -60,6 +60,13 @@ impl Frame {
         Self { position, axes: self.axes }
     }
 
+    /// This frame turned about its origin by an angle, radians, about a unit axis of the outer frame.
+    pub fn turned(&self, axis: DVec3, angle: f64) -> Self {
+        let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+        let turn = |v: DVec3| v * cosine + axis.cross(v) * sine + axis * (axis.dot(v) * (1.0 - cosine));
+        Self { position: self.position, axes: self.axes.map(turn) }
+    }
+
     /// A vector of this frame in the outer frame.
     #[inline]
     pub fn turn(&self, v: DVec3) -> DVec3 {

@@ -8,6 +8,11 @@ use super::frame::{Frame, length, widened};
 use crate::collide::{Solid, support};
 use glam::DVec3;
 
+/// The radius of a ball inside a convex solid, metres; 0 for others.
+pub(crate) fn inner_radius(solid: &Solid<'_>) -> f32 {
+    Core::new(solid).map_or(0.0, |core| core.inner_radius() as f32)
+}
+
 /// A convex set in its own frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Core<'a> {
@@ -24,6 +29,8 @@ enum Kind<'a> {
     Box(DVec3),
     /// The hull of three points.
     Triangle([DVec3; 3]),
+    /// A shape drawn together towards a point inside by a factor.
+    Scaled(support::Core<'a>, DVec3, f64),
 }
 
 impl<'a> Core<'a> {
@@ -57,6 +64,64 @@ impl<'a> Core<'a> {
                 DVec3::new(side(half.x, direction.x), side(half.y, direction.y), side(half.z, direction.z))
             }
             Kind::Triangle(corners) => farthest(corners, direction),
+            Kind::Scaled(core, middle, scale) => *middle + (core.support(direction) - *middle) * *scale,
+        }
+    }
+
+    /// True for a shape that a turn about its z axis leaves as it is.
+    pub fn is_round(&self) -> bool {
+        match &self.kind {
+            Kind::Shape(core) | Kind::Scaled(core, ..) => !matches!(core, support::Core::Hull(_)),
+            Kind::Box(_) | Kind::Triangle(_) => false,
+        }
+    }
+
+    /// The axis about which a round shape at a frame is round: none of a ball.
+    pub fn axis_of(&self, frame: &Frame) -> DVec3 {
+        match &self.kind {
+            Kind::Shape(support::Core::Point) => DVec3::ZERO,
+            _ => frame.turn(DVec3::Z),
+        }
+    }
+
+    /// The middle of that ball.
+    pub fn middle(&self) -> DVec3 {
+        match &self.kind {
+            Kind::Shape(core) => core.inner_ball().0,
+            Kind::Scaled(_, middle, _) => *middle,
+            Kind::Box(_) => DVec3::ZERO,
+            Kind::Triangle([a, b, c]) => (*a + *b + *c) / 3.0,
+        }
+    }
+
+    /// The radius of the greatest ball inside the shape, or of a fair one, metres.
+    pub fn inner_radius(&self) -> f64 {
+        self.radius
+            + match &self.kind {
+                Kind::Shape(core) => core.inner_ball().1,
+                Kind::Box(half) => lesser(half.x, lesser(half.y, half.z)),
+                Kind::Triangle(_) => 0.0,
+                Kind::Scaled(core, _, scale) => core.inner_ball().1 * scale,
+            }
+    }
+
+    /// What is left of the shape when a skin is taken off, `share` of the inner radius thick. Of a hull that is
+    /// much longer than wide its ends lose more.
+    pub fn eroded(&self, share: f64) -> Self {
+        let skin = share * self.inner_radius();
+        match &self.kind {
+            Kind::Box(half) => Self { kind: Kind::Box(*half - DVec3::splat(skin)), ..*self },
+            Kind::Shape(core) if skin > self.radius => {
+                let (middle, inner) = core.inner_ball();
+                let scale = if inner > 0.0 { 1.0 - (skin - self.radius) / inner } else { 1.0 };
+                let kind = match core.thinned(skin - self.radius) {
+                    Some(thinner) => Kind::Shape(thinner),
+                    None => Kind::Scaled(*core, middle, scale),
+                };
+                Self { kind, radius: 0.0 }
+            }
+            Kind::Shape(_) => Self { radius: self.radius - skin, ..*self },
+            Kind::Triangle(_) | Kind::Scaled(..) => *self,
         }
     }
 
@@ -72,6 +137,10 @@ impl<'a> Core<'a> {
         let (low, high) = self.bounds(&Frame::IDENTITY);
         length(high - low)
     }
+}
+
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 /// The first of the points that lie farthest along a direction.

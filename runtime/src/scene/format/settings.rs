@@ -46,6 +46,9 @@ pub struct SettingsDoc {
     /// Slower bodies are at rest, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sleep_speed: Option<f32>,
+    /// Whether fast bodies are stopped at what they would pass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub continuous: Option<bool>,
 }
 
 /// How a contact removes overlap.
@@ -83,6 +86,7 @@ impl SettingsDoc {
         set(&mut settings.block_links, self.block_links);
         set(&mut settings.sleep_time, self.sleep_time);
         set(&mut settings.sleep_speed, self.sleep_speed);
+        set(&mut settings.continuous, self.continuous);
     }
 }
 

@@ -1,0 +1,507 @@
+//! When a convex shape that moves and turns first meets a shape.
+//!
+//! Conservative advancement (Mirtich 1996; van den Bergen, "Continuous Collision Detection of General Convex
+//! Objects under Translation", 2005, and here with turns): the plane between two convex sets at the time `t` parts
+//! them until some point of one has gone through it, and how fast points can come is bounded. With the unit normal
+//! `n` from the moving shape to the other, `v` its way and `w` its turn over the step, `r` the arm of a point from
+//! its center and `R` the greatest arm across the axis,
+//! ```text
+//! gap closes in d by at most   n.v d + |n x w| R d                               the rate of the fastest point
+//!                        and   n.v d + max r.(n x w) d + |w| |n x w| R d^2 / 2   as points go now, and a rest
+//! ```
+//! and the greater of the two steps is taken. Nothing is passed, whatever turns; a motion without turns takes the
+//! steps of Newton's method as `sweep.rs` does. A shape whose plane does not come nearer is done at once, so a
+//! slide along a wall is one step.
+//!
+//! The impact is where the shapes are a small gap apart. **Shapes that touch at the start** are the business of
+//! contacts, as far as their skin: of those only what is left when a skin is taken off is looked at, a thicker one
+//! until the rest is free. So a wheel that rolls on a floor is not stopped, and still does not go through it.
+//!
+//! An impact counts only when the shapes, gone on, would overlap by more than the thinnest skin: contacts are
+//! soft, and what they leave of an overlap is no reason to stop.
+
+use super::children;
+use super::frame::{Frame, length, widened};
+use super::gjk::Pair;
+use super::grid;
+use super::support::Core;
+use crate::collide::Solid;
+use crate::collide::tree::Tree;
+use crate::collide::tree::search::Way;
+use glam::DVec3;
+
+/// Most steps of an advance. One that takes more is taken for an impact where it ended: nothing passes.
+const STEPS_MAX: usize = 96;
+/// Skins, as shares of the inner radius, that are taken off one after the other.
+const SKINS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
+/// Gap at an impact as a share of the inner radius.
+const GAP_SHARE: f64 = 0.05;
+/// Least and greatest gap at an impact, metres: positions are resolved to 4 micrometres, and contacts are found
+/// within 20 mm.
+const GAP_MIN: f64 = 2.0e-5;
+const GAP_MAX: f64 = 1.0e-3;
+/// A shape that is off the axis of a twist by less than this share of its size is on it.
+const ROUND_SHARE: f64 = 1.0e-3;
+/// Fraction of a step that a body goes on if its skin allows: else one that is hindered again and again, as a
+/// rod that dances on its end, would stay where it is.
+const EARLY: f64 = 0.1;
+/// A contact lets a gap close within a substep: points that would close it so often in a step are not held.
+const HOLD: f64 = 10.0;
+/// Way by which a round shape may swing, as a share of the gap at an impact, for its way to be taken as straight.
+const WOBBLE_SHARE: f64 = 0.25;
+/// Shapes touch when they are nearer than this share of the gap.
+const TOUCH_SHARE: f64 = 1.0 / 16.0;
+
+/// A turn at a constant rate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn {
+    /// Unit vector.
+    pub axis: DVec3,
+    /// Over the step, radians.
+    pub angle: f64,
+}
+
+impl Turn {
+    pub const NONE: Self = Self { axis: DVec3::Z, angle: 0.0 };
+
+    /// The turn with a rotation vector.
+    pub fn of(vector: DVec3) -> Self {
+        let angle = length(vector);
+        if angle == 0.0 { Self::NONE } else { Self { axis: vector / angle, angle } }
+    }
+}
+
+/// How a body goes through a step: its center straight ahead, its axes at constant rates. Time is a fraction of
+/// the step, and places are from a point that all courses share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    /// The body at the start: its center and axes.
+    pub start: Frame,
+    /// Way of the center over the step, metres.
+    pub way: DVec3,
+    /// The turn of the body, but for its twist.
+    pub swing: Turn,
+    /// The turn about an axis of the body, given as it stands at the start.
+    pub twist: Turn,
+    /// Where the body is at the end if that is not where its course leads.
+    pub end: Option<Frame>,
+    /// True for a body that is stopped only where the middle of a shape would pass.
+    pub held: bool,
+}
+
+impl Course {
+    /// One that stays.
+    pub fn still(frame: Frame) -> Self {
+        Self { start: frame, way: DVec3::ZERO, swing: Turn::NONE, twist: Turn::NONE, end: None, held: false }
+    }
+
+    /// The body at a time.
+    fn at(&self, time: f64) -> Frame {
+        let mut frame = self.start.at(self.start.position + self.way * time);
+        // The twist first: its axis swings.
+        for Turn { axis, angle } in [self.twist, self.swing] {
+            if angle != 0.0 {
+                frame = frame.turned(axis, angle * time);
+            }
+        }
+        frame
+    }
+
+    /// Rotation vector of the twist as it stands at a time.
+    fn twist_at(&self, time: f64) -> DVec3 {
+        if self.twist.angle == 0.0 {
+            return DVec3::ZERO;
+        }
+        let swing = Frame::IDENTITY.turned(self.swing.axis, self.swing.angle * time);
+        swing.turn(self.twist.axis) * self.twist.angle
+    }
+
+    /// The least angle that is certainly not exceeded by the turn of the step.
+    fn most(&self) -> f64 {
+        self.swing.angle.abs() + self.twist.angle.abs()
+    }
+}
+
+/// A shape of a body, convex for what moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rider<'a, S> {
+    pub shape: S,
+    /// Where it stands from the body's center.
+    pub local: Frame,
+    pub course: &'a Course,
+}
+
+impl<S> Rider<'_, S> {
+    fn at(&self, time: f64) -> Frame {
+        self.course.at(time).after(&self.local)
+    }
+}
+
+/// How two shapes are apart, in the axes of the courses.
+#[derive(Clone, Copy)]
+struct Gap {
+    /// Metres.
+    distance: f64,
+    /// Certainly not more than that.
+    least: f64,
+    /// Unit vector from what moves to the other.
+    normal: DVec3,
+    /// A point of the other that is nearest.
+    point: DVec3,
+}
+
+/// What an advance came to.
+enum Outcome {
+    /// The shapes touch at its start.
+    Touches,
+    /// They do not meet.
+    Clear,
+    /// They meet at this time.
+    Meets(f64),
+}
+
+/// The other shape, convex or a half-space.
+enum Wall<'a> {
+    HalfSpace,
+    Convex(Core<'a>),
+}
+
+/// A moving shape, thinner and thinner, and what its motion is bounded by.
+#[derive(Clone, Copy)]
+struct Mover<'a> {
+    core: Core<'a>,
+    local: Frame,
+    /// Without a twist that the shape does not show.
+    course: Course,
+    thinner: [Core<'a>; SKINS.len()],
+    /// Greatest distance of a point of the core from the axis of the swing, metres.
+    lever: f64,
+    /// And of a point of the shape from the body's center.
+    reach: f64,
+    /// The greatest way of a point of the core by the twist, metres.
+    twist: f64,
+    gap: f64,
+}
+
+impl<'a> Mover<'a> {
+    fn new(rider: &Rider<'a, Core<'a>>) -> Self {
+        let core = rider.shape;
+        let (low, high) = core.bounds(&rider.local);
+        let most = |low: f64, high: f64| greater(-low, high);
+        let corner = DVec3::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z));
+        let gap = lesser(greater(GAP_SHARE * core.inner_radius(), GAP_MIN), GAP_MAX);
+        let mut course = *rider.course;
+        let reach = length(corner);
+        let mut twist = 0.0;
+        if course.twist.angle != 0.0 {
+            twist = course.twist.angle.abs() * lever(rider, course.twist.axis);
+            let frame = course.start.at(DVec3::ZERO).after(&rider.local);
+            let off = length(frame.position.cross(course.twist.axis))
+                + length(core.axis_of(&frame).cross(course.twist.axis)) * reach;
+            if core.is_round() && off < ROUND_SHARE * reach {
+                // What turns about its own axis stands still, unless that axis swings by more than the gap shows.
+                let axis = course.twist.axis;
+                let swing = course.swing.axis * course.swing.angle;
+                let across = swing - axis * swing.dot(axis);
+                if length(across) * reach < WOBBLE_SHARE * gap {
+                    course.swing = Turn::of(across);
+                }
+                (course.twist, twist) = (Turn::NONE, 0.0);
+            }
+        }
+        Self {
+            core,
+            local: rider.local,
+            course,
+            thinner: SKINS.map(|share| core.eroded(share)),
+            // A twist brings other points across the axis of the swing.
+            lever: if twist == 0.0 { lever(rider, course.swing.axis) } else { reach },
+            reach,
+            twist,
+            gap,
+        }
+    }
+
+    fn at(&self, time: f64) -> Frame {
+        self.course.at(time).after(&self.local)
+    }
+
+    fn gap(&self, core: &Core<'_>, (wall, other): (&Wall<'_>, &Rider<'_, ()>), time: f64) -> Gap {
+        let (frame, own) = (other.at(time), self.at(time));
+        let b_in_a = frame.relative(&own);
+        match wall {
+            Wall::HalfSpace => {
+                let lowest = b_in_a.transform(core.support(b_in_a.unturn(DVec3::NEG_Z)));
+                let distance = lowest.z - core.radius;
+                let point = frame.transform(DVec3::new(lowest.x, lowest.y, 0.0));
+                Gap { distance, least: distance, normal: frame.turn(DVec3::NEG_Z), point }
+            }
+            Wall::Convex(a) => {
+                let pair = Pair { a, b: core, b_in_a };
+                let found = pair.separation(&mut pair.start());
+                let radius = a.radius + core.radius;
+                Gap {
+                    distance: found.distance - radius,
+                    least: found.least - radius,
+                    normal: frame.turn(found.direction),
+                    point: frame.transform(found.on_a - found.direction * a.radius),
+                }
+            }
+        }
+    }
+
+    /// How long a gap certainly stays open from a time on; infinite when it does not close.
+    fn free_time(
+        &self,
+        core: &Core<'_>,
+        (other, time): (&Rider<'_, ()>, f64),
+        (gap, normal): (f64, DVec3),
+    ) -> f64 {
+        let (own, theirs) = (&self.course, other.course);
+        let mut linear = normal.dot(own.way - theirs.way);
+        if theirs.most() != 0.0 {
+            // Seen from a body that turns all else turns about it. The distance of two centers is greatest at an
+            // end.
+            let apart = |t: f64| length(own.at(t).position - theirs.at(t).position);
+            linear += theirs.most() * (greater(apart(time), apart(1.0)) + self.reach);
+        }
+        let cross = normal.cross(own.swing.axis * own.swing.angle);
+        let size = length(cross);
+        let fastest = linear + size * self.lever + self.twist;
+        let by_fastest = if fastest > 0.0 { gap / fastest } else { f64::INFINITY };
+        if size == 0.0 && self.twist == 0.0 {
+            return by_fastest;
+        }
+        let frame = own.at(time).at(DVec3::ZERO).after(&self.local);
+        let cross = cross + normal.cross(own.twist_at(time));
+        let now = linear + frame.transform(core.support(frame.unturn(cross))).dot(cross);
+        // now d + rest d^2 = gap, the positive root.
+        let rest = if self.twist == 0.0 {
+            0.5 * size * own.swing.angle.abs() * self.lever
+        } else {
+            0.5 * own.most() * own.most() * self.reach
+        };
+        let root = libm::sqrt(now * now + 4.0 * rest * gap);
+        let divisor = root + now;
+        let by_now = if divisor > 0.0 { 2.0 * gap / divisor } else { by_fastest };
+        greater(by_fastest, by_now)
+    }
+
+    /// True when the point that is nearest to a wall goes towards it faster than a contact would let it.
+    fn comes_nearer(&self, other: &Rider<'_, ()>, (time, gap): (f64, &Gap)) -> bool {
+        let rate = |course: &Course| {
+            let turn = course.swing.axis * course.swing.angle + course.twist_at(time);
+            course.way + turn.cross(gap.point - course.at(time).position)
+        };
+        gap.normal.dot(rate(&self.course) - rate(other.course)) > HOLD * gap.distance
+    }
+
+    /// Advances a core from a time until it meets a wall, or to the limit.
+    fn advance(
+        &self,
+        core: &Core<'_>,
+        wall: (&Wall<'_>, &Rider<'_, ()>),
+        (start, limit): (f64, f64),
+    ) -> Outcome {
+        let mut time = start;
+        let mut found = self.gap(core, wall, time);
+        if found.distance <= self.gap * TOUCH_SHARE {
+            return Outcome::Touches;
+        }
+        let mut target = self.gap;
+        if found.distance <= target {
+            if self.comes_nearer(wall.1, (time, &found)) {
+                return Outcome::Meets(time);
+            }
+            target = 0.75 * found.distance;
+        }
+        for _ in 0..STEPS_MAX {
+            let closes = self.free_time(core, (wall.1, time), (1.0, found.normal));
+            if closes == f64::INFINITY {
+                return Outcome::Clear;
+            }
+            if found.distance <= target {
+                return Outcome::Meets(time);
+            }
+            // Where rounding leaves no proof the distance itself is right to rounding.
+            let proved = found.least - 0.5 * target;
+            let way = if proved > 0.1 * found.distance { proved } else { 0.4 * found.distance };
+            let ahead = time + self.free_time(core, (wall.1, time), (way, found.normal));
+            if ahead > limit {
+                return Outcome::Clear;
+            }
+            found = self.gap(core, wall, ahead);
+            if found.distance <= 0.0 {
+                // By rounding: they were apart just before.
+                return Outcome::Meets(time);
+            }
+            time = ahead;
+        }
+        Outcome::Meets(time)
+    }
+
+    /// When the shape meets a wall, as far as contacts alone cannot stop it; at most the limit.
+    fn meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+        self.first_meeting(wall, limit).or_else(|| (limit >= 1.0 && self.ends_inside(wall)).then_some(1.0))
+    }
+
+    /// True when the body's last place is no end of its course, and in the wall where its first place was not.
+    fn ends_inside(&self, wall: (&Wall<'_>, &Rider<'_, ()>)) -> bool {
+        let Some(end) = self.course.end else { return false };
+        let thinner = if self.course.held { &self.thinner[SKINS.len() - 1] } else { &self.thinner[0] };
+        let last = Self { course: Course::still(end), ..*self };
+        last.gap(thinner, wall, 1.0).distance <= 0.0 && self.gap(thinner, wall, 0.0).distance > 0.0
+    }
+
+    fn first_meeting(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+        if self.course.held {
+            let [.., thinnest] = &self.thinner;
+            return match self.advance(thinnest, wall, (0.0, limit)) {
+                Outcome::Meets(time) => Some(time),
+                Outcome::Clear | Outcome::Touches => None,
+            };
+        }
+        match self.advance(&self.core, wall, (0.0, limit)) {
+            Outcome::Clear => None,
+            Outcome::Meets(time) => {
+                let [skinless, ..] = &self.thinner;
+                match self.advance(skinless, wall, (time, 1.0)) {
+                    Outcome::Clear => None,
+                    // Into the skin rather than not at all: an overlap is what contacts push out.
+                    Outcome::Meets(later) if time < EARLY => Some(lesser(later, EARLY)),
+                    _ => Some(time),
+                }
+            }
+            Outcome::Touches => {
+                for core in &self.thinner {
+                    match self.advance(core, wall, (0.0, limit)) {
+                        Outcome::Touches => {}
+                        Outcome::Clear => return None,
+                        Outcome::Meets(time) => return Some(time),
+                    }
+                }
+                self.middle_meets(wall, limit)
+            }
+        }
+    }
+
+    /// When the middle of a shape that touches a wall with all that is left of it does so.
+    fn middle_meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+        let local = self.local.at(self.local.transform(self.core.middle()));
+        let point = Self { core: Core::POINT, local, ..*self };
+        match point.advance(&point.core, wall, (0.0, limit)) {
+            Outcome::Meets(time) => Some(time),
+            Outcome::Clear | Outcome::Touches => None,
+        }
+    }
+
+    /// The way of the moving body's center in the frame of the other shape: where it starts, its unit direction
+    /// and its length; and how far from the center anything can be met.
+    fn way(&self, other: &Rider<'_, ()>) -> ((DVec3, DVec3, f64), (DVec3, DVec3)) {
+        let (first, last) = (other.at(0.0), other.at(1.0));
+        let from = first.untransform(self.course.start.position);
+        let to = last.untransform(self.course.at(1.0).position);
+        let span = length(to - from);
+        let direction = if span > 0.0 { (to - from) / span } else { DVec3::ZERO };
+        // Seen from what turns the way is bent, by less than its ends are swept.
+        let sag = other.course.most() * (greater(length(from), length(to)) + length(other.local.position));
+        let reach = DVec3::splat(self.reach + 2.0 * self.gap + sag);
+        ((from, direction, span), (-reach, reach))
+    }
+}
+
+/// When a convex shape meets another body's shape so that contacts alone may not stop it: the fraction of the step
+/// at which they are a small gap apart. Meetings later than `limit` may be left out.
+pub(crate) fn impact(other: &Rider<'_, Solid<'_>>, rider: &Rider<'_, Core<'_>>, limit: f64) -> Option<f64> {
+    let mover = Mover::new(rider);
+    let place = Rider { shape: (), local: other.local, course: other.course };
+    match other.shape {
+        Solid::HalfSpace => mover.meets((&Wall::HalfSpace, &place), limit),
+        Solid::Mesh(mesh) => along_tree(&mesh.tree, (&mover, &place), limit, |index| {
+            let corners = mesh.triangles[index as usize].vertices.map(|v| widened(mesh.vertices[v as usize]));
+            Some((Wall::Convex(Core::triangle(corners)), place))
+        }),
+        Solid::Compound(compound) => {
+            let grown = children::slack(&compound);
+            along_grown(&compound.tree, (&mover, &place, grown), limit, |index| {
+                let (child, pose) = compound.child(index);
+                let local = place.local.after(&Frame::of(&pose));
+                Core::new(&child).map(|core| (Wall::Convex(core), Rider { local, ..place }))
+            })
+        }
+        Solid::HeightField(field) => {
+            let (way, bounds) = mover.way(&place);
+            let mut best: Option<f64> = None;
+            let most = way.2;
+            grid::along(&field, way, bounds, reach(limit, most), |_, corners| {
+                let wall = Wall::Convex(Core::triangle(corners));
+                let within = best.unwrap_or(limit);
+                best = mover.meets((&wall, &place), within).or(best);
+                reach(best.unwrap_or(limit), most)
+            });
+            best
+        }
+        _ => mover.meets((&Wall::Convex(Core::new(&other.shape)?), &place), limit),
+    }
+}
+
+/// The greatest distance of a point of a shape's core from an axis through its body's center, at the start,
+/// metres.
+fn lever(rider: &Rider<'_, Core<'_>>, axis: DVec3) -> f64 {
+    let frame = rider.course.start.at(DVec3::ZERO).after(&rider.local);
+    let away = if axis.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
+    let first = axis.cross(away);
+    let first = first / length(first);
+    let second = axis.cross(first);
+    let core = rider.shape;
+    let along = |d: DVec3| frame.transform(core.support(frame.unturn(d))).dot(d);
+    let most = |d: DVec3| greater(along(d), along(-d));
+    let (x, y) = (most(first), most(second));
+    libm::sqrt(x * x + y * y)
+}
+
+/// How far along a way a fraction of the step reaches, metres; without end where there is no way.
+fn reach(time: f64, length: f64) -> f64 {
+    if time < 1.0 { time * length } else { f64::MAX }
+}
+
+fn along_tree<'a>(
+    tree: &Tree<'_>,
+    (mover, place): (&Mover<'_>, &Rider<'_, ()>),
+    limit: f64,
+    wall: impl Fn(u32) -> Option<(Wall<'a>, Rider<'a, ()>)>,
+) -> Option<f64> {
+    along_grown(tree, (mover, place, 0.0), limit, wall)
+}
+
+/// The first meeting with the leaves of a tree, whose boxes are off by at most `slack` metres.
+fn along_grown<'a>(
+    tree: &Tree<'_>,
+    (mover, place, slack): (&Mover<'_>, &Rider<'_, ()>, f64),
+    limit: f64,
+    wall: impl Fn(u32) -> Option<(Wall<'a>, Rider<'a, ()>)>,
+) -> Option<f64> {
+    let (course, (low, high)) = mover.way(place);
+    let most = course.2;
+    let way = Way::new(tree, course, (low - DVec3::splat(slack), high + DVec3::splat(slack)))?;
+    let mut best: Option<f64> = None;
+    tree.search(
+        way.limit(reach(limit, most)),
+        |bounds| way.bound(bounds),
+        |index| {
+            if let Some((wall, rider)) = wall(index) {
+                best = mover.meets((&wall, &rider), best.unwrap_or(limit)).or(best);
+            }
+            way.limit(reach(best.unwrap_or(limit), most))
+        },
+    );
+    best
+}
+
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
