@@ -527,7 +527,7 @@ mod tests {
 
     #[test]
     fn a_rod_that_turns_meets_the_ground_when_its_end_does() {
-        for height in [0.1, 0.3, 0.45] {
+        for height in [0.2, 0.3, 0.45] {
             let swing = Turn { axis: DVec3::Y, angle: 3.0 };
             let found = meeting(Solid::HalfSpace, &Course { swing, ..at(DVec3::Z * height) });
             let found = found.expect("its end comes down");
