@@ -24,6 +24,7 @@ pub(crate) mod rows;
 pub(crate) mod seat;
 pub(crate) mod sleep;
 pub(crate) mod solver;
+pub(crate) mod stiffening;
 pub(crate) mod tasks;
 
 use crate::cells::{IMMOVABLE, Scheduler};

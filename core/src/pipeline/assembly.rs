@@ -9,6 +9,7 @@ use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
 use crate::pipeline::articulations::Patterns;
+use crate::pipeline::continuous::has_joints;
 use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
@@ -16,6 +17,7 @@ use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take};
+use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
@@ -42,6 +44,7 @@ pub(crate) struct Scene<'a> {
     pub joints: &'a [JointRow],
     /// Slots of the joints that are links.
     pub joint_slots: &'a [u32],
+    pub first_joints: &'a [u32],
     /// Index among the active bodies by slot.
     pub active_of: &'a [u32],
     pub softness: &'a Softnesses,
@@ -100,14 +103,13 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
-            active.stiffening = joints::stiffening(state, active.body, substep);
+            active.stiffening = stiffening::stiffening(state, active.body, substep);
             active.linear = motion.linear;
-            active.angular = motion.angular;
+            active.angular = stiffening::eased(active, row, (principal, motion.angular));
             (active.root, active.whitened) =
-                root_and_whitened(principal, active.inertia(row), locks >> 3, motion.angular);
+                root_and_whitened(principal, active.inertia(row), locks >> 3, active.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
-            active.jointed = u32::from(state.first_joints.get(slot).is_some_and(|&first| first != 0));
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
             let free = |axis: usize| if locks >> axis & 1 == 1 { 0.0 } else { push[axis] };
             active.push = Vec3::new(free(0), free(1), free(2));
@@ -139,6 +141,7 @@ pub(crate) fn fill<E: Executor>(
         touches: scratch.touches,
         joints: state.joints,
         joint_slots: scratch.joint_slots,
+        first_joints: state.first_joints,
         active_of: scratch.active_of,
         softness: &softness,
         bias: solver::bias(settings),
@@ -250,6 +253,7 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
             let slot = active.body as usize;
             Some((active, &scene.motions[slot], &scene.bodies[slot]))
         };
-        *mover = MoverRow::enter(seats, entry, scene.substep);
+        let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
+        *mover = MoverRow::enter(seats, entry, (scene.substep, is_jointed));
     }
 }

@@ -24,8 +24,6 @@ use bytemuck::Zeroable;
 
 /// Joints that are worth a task.
 const STORE_JOINTS: usize = 256;
-/// See [`stiffening`].
-const STIFFENING: f32 = 0.0;
 /// How fast a limit that gives is felt before it is reached, 1/s: not at all.
 const NOT_BEFORE: f32 = 1.0e9;
 
@@ -311,32 +309,6 @@ impl Sight<'_> {
         row.push.set(lane, self.push);
         row.limits = 1;
     }
-}
-
-/// What a body's moments of inertia gain in a step, kg m2, so that the loads on its joints do not shake it.
-///
-/// A force f on a point at the arm r turns a body like a spring of stiffness f r (the geometric stiffness of
-/// constrained bodies). Steps follow the swing of that spring only while it is slower than they are: the square of
-/// its angular frequency times the substep, `f r h^2 / I`, must stay below 4, and this keeps it below 1. Only bodies
-/// whose load is great for their inertia gain any, of which the first is a light chain with a heavy weight; they
-/// turn slower than they would, and do not explode. (Andrews, Teichmann and Kry, Geometric stiffness for real-time
-/// constrained multibody dynamics, 2017, with the force of the step before.)
-pub(crate) fn stiffening(state: &State<'_>, body: u32, substep: f32) -> f32 {
-    let mut next = state.first_joints.get(body as usize).copied().unwrap_or(0);
-    if next == 0 {
-        return 0.0;
-    }
-    let row = &state.bodies[body as usize];
-    let mut stiffness = 0.0;
-    while next != 0 {
-        let joint = &state.joints[next as usize - 1];
-        let frame = &joint.frames[usize::from(joint.bodies[0] != body)];
-        stiffness += length(joint.force) * length(frame.position - row.local_center);
-        next = joint.next_of(body);
-    }
-    let least = min(row.inertia.x, min(row.inertia.y, row.inertia.z));
-    let gain = stiffness * substep * substep * STIFFENING - least;
-    if gain > 0.0 { gain } else { 0.0 }
 }
 
 /// Writes impulses, forces and turns back into the state, and breaks joints whose load is too great.

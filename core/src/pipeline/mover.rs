@@ -67,7 +67,7 @@ impl MoverRow {
     pub fn enter<'a>(
         seats: &mut [Seat; LANES],
         entry: impl Fn(usize) -> Option<(&'a Active, &'a Motion, &'a BodyRow)>,
-        substep: f32,
+        (substep, is_jointed): (f32, impl Fn(u32) -> bool),
     ) -> Self {
         let mut row = Self::zeroed();
         let mut frames = [Words::new([0.0, 0.0, 0.0, 1.0, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]); LANES];
@@ -89,7 +89,7 @@ impl MoverRow {
         row.turn = [LaneVec::new(xx, yy, zz), LaneVec::new(xy, xz, yz)];
         row.top = top;
         for lane in 0..LANES {
-            let may_turn = entry(lane).is_some_and(|(active, ..)| active.jointed == 0);
+            let may_turn = entry(lane).is_some_and(|(active, ..)| !is_jointed(active.body));
             row.slender |= u32::from(may_turn && row.far.get(lane) > SLENDER) << lane;
         }
         if row.slender != 0 {
@@ -435,7 +435,7 @@ pub(crate) fn angular_velocity(
         return integration::root_times(&active.root, whitened);
     }
     let start = Turn::of(principal_rotation(motion, row));
-    let spin = start.undo(to_f64(motion.angular));
+    let spin = start.undo(to_f64(active.angular));
     let change = start.undo(to_f64(whitened - active.whitened));
     let moments = active.inertia(row);
     let (inertia, root) = (to_f64(moments), to_f64(integration::square_roots(moments)));
