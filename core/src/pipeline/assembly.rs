@@ -10,6 +10,7 @@ use crate::lanes::{LANES, Words};
 use crate::material::MaterialRow;
 use crate::math::{PI, Vec3};
 use crate::pipeline::articulations::Patterns;
+use crate::pipeline::continuous::has_joints;
 use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
@@ -264,6 +265,7 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
             let slot = active.body as usize;
             Some((active, &scene.motions[slot], &scene.bodies[slot]))
         };
-        *mover = MoverRow::enter(seats, entry, (scene.substep, scene.first_joints));
+        let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
+        *mover = MoverRow::enter(seats, entry, (scene.substep, is_jointed));
     }
 }

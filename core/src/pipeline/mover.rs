@@ -67,7 +67,7 @@ impl MoverRow {
     pub fn enter<'a>(
         seats: &mut [Seat; LANES],
         entry: impl Fn(usize) -> Option<(&'a Active, &'a Motion, &'a BodyRow)>,
-        (substep, first_joints): (f32, &[u32]),
+        (substep, is_jointed): (f32, impl Fn(u32) -> bool),
     ) -> Self {
         let mut row = Self::zeroed();
         let mut frames = [Words::new([0.0, 0.0, 0.0, 1.0, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]); LANES];
@@ -89,10 +89,8 @@ impl MoverRow {
         row.turn = [LaneVec::new(xx, yy, zz), LaneVec::new(xy, xz, yz)];
         row.top = top;
         for lane in 0..LANES {
-            let has_joints = |slot: u32| first_joints.get(slot as usize).is_some_and(|&first| first != 0);
-            let is_slender = row.far.get(lane) > SLENDER
-                && entry(lane).is_some_and(|(active, ..)| !has_joints(active.body));
-            row.slender |= u32::from(is_slender) << lane;
+            let may_turn = || entry(lane).is_some_and(|(active, ..)| !is_jointed(active.body));
+            row.slender |= u32::from(row.far.get(lane) > SLENDER && may_turn()) << lane;
         }
         if row.slender != 0 {
             row.axis = row.frame.third();

@@ -505,3 +505,59 @@ fn lesser(a: f64, b: f64) -> f64 {
 fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Rotation, Vec3};
+
+    fn rod() -> Core<'static> {
+        Core::new(&Solid::Box { half_extents: Vec3::new(0.5, 0.01, 0.01) }).expect("convex")
+    }
+
+    fn meeting(wall: Solid<'_>, course: &Course) -> Option<f64> {
+        let still = Course::still(Frame::IDENTITY);
+        let wall = Rider { shape: wall, local: Frame::IDENTITY, course: &still };
+        impact(&wall, &Rider { shape: rod(), local: Frame::IDENTITY, course }, 1.0)
+    }
+
+    fn at(place: DVec3) -> Course {
+        Course::still(Frame::new(place, Rotation::IDENTITY))
+    }
+
+    #[test]
+    fn a_rod_that_turns_meets_the_ground_when_its_end_does() {
+        for height in [0.2, 0.3, 0.45] {
+            let swing = Turn { axis: DVec3::Y, angle: 3.0 };
+            let found = meeting(Solid::HalfSpace, &Course { swing, ..at(DVec3::Z * height) });
+            let found = found.expect("its end comes down");
+            // The lowest corner: half the length times the sine, and half the thickness times the cosine.
+            let angle = 3.0 * found;
+            let low = height - 0.5 * libm::sin(angle) - 0.01 * libm::cos(angle);
+            assert!((0.0..=GAP_MAX).contains(&low), "{height}: {low} m above the ground");
+        }
+        let swing = Turn { axis: DVec3::Z, angle: 3.0 };
+        assert_eq!(meeting(Solid::HalfSpace, &Course { swing, ..at(DVec3::Z * 0.02) }), None);
+    }
+
+    #[test]
+    fn what_flies_straight_meets_a_thin_wall_and_passes_beside_it() {
+        let wall = Solid::Box { half_extents: Vec3::new(0.005, 1.0, 1.0) };
+        let way = DVec3::X * 16.0;
+        let found = meeting(wall, &Course { way, ..at(DVec3::X * -8.0) }).expect("it is in the way");
+        let gap = 8.0 - 16.0 * found - 0.505;
+        assert!((0.0..=GAP_MAX).contains(&gap), "{gap} m before the wall");
+        assert_eq!(meeting(wall, &Course { way, ..at(DVec3::new(-8.0, 1.011, 0.0)) }), None);
+        assert_eq!(meeting(wall, &Course { way: -way, ..at(DVec3::X * -8.0) }), None);
+    }
+
+    #[test]
+    fn what_lies_on_the_ground_slides_and_does_not_sink() {
+        let slide = Course { way: DVec3::X * 10.0, ..at(DVec3::Z * 0.0099) };
+        assert_eq!(meeting(Solid::HalfSpace, &slide), None);
+        let sinks = Course { way: DVec3::new(10.0, 0.0, -0.1), ..at(DVec3::Z * 0.0099) };
+        let found = meeting(Solid::HalfSpace, &sinks).expect("it would go under");
+        let depth = 0.0001 + 0.1 * found;
+        assert!(depth < 0.25 * 0.01 + 1.0e-3, "{depth} m deep");
+    }
+}
