@@ -14,6 +14,7 @@ use crate::collide::tree;
 use crate::config::SettingsRow;
 use crate::constraint::joint::{BoundRow, JointLink, LockRow};
 use crate::constraint::row::{LinkRow, PointRow};
+use crate::event::{EventRow, MovedWord, Tenant, Visit};
 use crate::joint::JointRow;
 use crate::lanes::Words;
 use crate::math::{Aabb, Rotation, Vec3};
@@ -60,7 +61,25 @@ pub(crate) struct Header {
     pub wakes: u32,
     /// Zero.
     pub reserved: u32,
+    /// Rows of `events` in use.
+    pub events: u32,
+    /// What the next step has to look at for its events: `TENANTS_LEFT`, `VISITS_DROPPED`,
+    /// `ROUSED_LEFT`.
+    pub event_marks: u32,
+    /// Shapes that are sensors.
+    pub sensors: u32,
+    /// Shapes whose hits are told.
+    pub hit_shapes: u32,
+    /// Rows of `visits` in use.
+    pub visits: u32,
 }
+
+/// Some rows of `tenants` are not zero.
+pub(crate) const TENANTS_LEFT: u32 = 1;
+/// A body has `ROUSED`.
+pub(crate) const ROUSED_LEFT: u32 = 4;
+/// Visits were dropped for want of room: all must be looked for again.
+pub(crate) const VISITS_DROPPED: u32 = 2;
 
 /// Limits, drives and frictions for each joint of the capacity, in all.
 pub(crate) const JOINT_BOUNDS: usize = 4;
@@ -174,6 +193,14 @@ region! {
         joint_used: u64 = words(c.joints as usize),
         /// The first joint of each body: its slot plus 1, or 0. Of no length without joints.
         first_joints: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        /// Of the last step, in their order.
+        events: EventRow = c.events as usize,
+        /// Who had each shape's slot in the last step and was removed since. Of no length without events.
+        tenants: Tenant = if c.events == 0 { 0 } else { c.shapes as usize },
+        /// What is in each sensor: sorted by the slots of the sensor and the visitor, distinct.
+        visits: Visit = c.sensor_visits as usize,
+        /// Bodies that moved, 64 in each; zero unless the settings ask for it.
+        moved: MovedWord = words(c.bodies as usize),
     }
 }
 
@@ -416,6 +443,15 @@ region! {
         phase_seats: u32 = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),
+        /// Pairs of shapes of contacts that ended in this step, and that began; contacts that are hits. Of no length
+        /// without events.
+        ended: u64 = if c.events == 0 { 0 } else { 2 * c.contacts as usize },
+        began: u64 = if c.events == 0 { 0 } else { c.contacts as usize },
+        hits: u32 = if c.events == 0 { 0 } else { c.contacts as usize },
+        /// Slots of the sensors; visits that are found, and then all of the step.
+        sensor_slots: u32 = if c.sensor_visits == 0 { 0 } else { c.shapes as usize },
+        found_visits: Visit = c.sensor_visits as usize,
+        visits_now: Visit = c.sensor_visits as usize,
         /// For registering a mesh.
         mesh_words: u64 = crate::collide::mesh::scratch_len(c.mesh_triangles as usize),
         mesh_boxes: Aabb = c.mesh_triangles as usize,

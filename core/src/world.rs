@@ -6,6 +6,7 @@ mod checksum;
 mod compounds;
 mod contacts;
 mod debug;
+mod events;
 mod forces;
 mod height_fields;
 mod joints;
@@ -63,6 +64,10 @@ pub struct Capacities {
     pub compound_children: u32,
     /// Surfaces of all meshes and height fields, at most 2^20.
     pub surfaces: u32,
+    /// Events of a step, at most 2^20; 0 for none: see [`World::events`].
+    pub events: u32,
+    /// Shapes in sensors, each counted once for each sensor, at most 2^20; 0 for a world without sensors.
+    pub sensor_visits: u32,
 }
 
 impl Capacities {
@@ -83,6 +88,8 @@ impl Capacities {
             compounds: 0,
             compound_children: 0,
             surfaces: 0,
+            events: 0,
+            sensor_visits: 0,
         }
     }
 
@@ -109,6 +116,8 @@ impl Capacities {
             ("compounds", self.compounds, 1 << 16),
             ("compound_children", self.compound_children, 1 << 20),
             ("surfaces", self.surfaces, 1 << 20),
+            ("events", self.events, 1 << 20),
+            ("sensor_visits", self.sensor_visits, 1 << 20),
         ];
         for (name, value, limit) in limits {
             if value > limit >> shift {
@@ -201,6 +210,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn set_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         settings.check()?;
         let pulls = self.settings().gravity != settings.gravity;
+        if !settings.moved_list {
+            events::forget_moved(&mut self.state_view());
+        }
         self.header_mut().settings = SettingsRow::from(settings);
         if pulls {
             sleep::wake_all(&mut self.state_view());

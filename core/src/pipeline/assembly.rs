@@ -9,13 +9,13 @@ use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
 use crate::pipeline::integration::root_and_whitened;
-use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{events, joints};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
 use bytemuck::Zeroable;
@@ -47,6 +47,8 @@ pub(crate) struct Scene<'a> {
     pub bias: Bias,
     pub substep: f32,
     pub dt: f32,
+    /// Whether rows measure hits.
+    pub hits: bool,
 }
 
 /// Softness of contacts between dynamic bodies, and with immovable ones.
@@ -141,6 +143,7 @@ pub(crate) fn fill<E: Executor>(
         bias: solver::bias(settings),
         substep: settings.substep(),
         dt: settings.dt,
+        hits: events::measures_hits(state),
     };
     let groups = &mut cache.groups[..plan.groups];
     let share = chunk(groups.len(), 1);

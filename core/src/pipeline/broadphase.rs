@@ -270,6 +270,7 @@ fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
     sa.body != sb.body
         && (dynamic(sa) || dynamic(sb))
         && !(sa.is_surface() && sb.is_surface())
+        && !(sa.is_sensor() || sb.is_sensor())
         && sa.filter.meets(&sb.filter)
         && !are_joined(state, sa.body, sb.body)
 }

@@ -5,16 +5,18 @@ use crate::body::{
 };
 use crate::config::{SECTOR_MAX, Settings};
 use crate::constraint::row::{LinkRow, PointRow};
+use crate::event::MovedWord;
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
-use crate::pipeline::Counts;
 use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
 use crate::pipeline::layout::Plan;
 use crate::pipeline::mover::{MoverRow, angular_velocity};
 use crate::pipeline::seat::Seat;
+use crate::pipeline::solver::take;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{Counts, events};
 use crate::shape::BOX_STALE;
 use crate::state::{Active, Cache, ContactRow, Scratch, State, Touch};
 
@@ -35,6 +37,7 @@ pub(crate) fn run<E: Executor>(
     store_motions(state, (cache, scratch), (plan, settings), (crew, counts));
     if counts.quarantined > 0 {
         drop_shapes_of_quarantined(state);
+        events::quarantined(state, scratch.active_of, counts);
     }
     state.header[0].step += 1;
 }
@@ -110,10 +113,15 @@ fn store_motions<E: Executor>(
         first: usize,
         motions: &'a mut [Motion],
         rows: &'a mut [BodyRow],
+        /// Empty when nobody asks which bodies moved.
+        moved: &'a mut [MovedWord],
         found: Found,
     }
     let high = state.header[0].bodies.high as usize;
-    let share = chunk(high, FINISH_BODIES);
+    // Whole words of the list of what moved.
+    let share = chunk(high, FINISH_BODIES).next_multiple_of(64);
+    let notes = state.header[0].settings.notes_moved();
+    let mut words = if notes { &mut *state.moved } else { &mut [] };
     let results = Results {
         active_of: scratch.active_of,
         first_seats: cache.first_seats,
@@ -127,12 +135,15 @@ fn store_motions<E: Executor>(
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let parts = state.motions[..high].chunks_mut(share).zip(state.bodies[..high].chunks_mut(share));
     for (i, (motions, rows)) in parts.enumerate() {
-        push(&mut tasks, Task { first: i * share, motions, rows, found: Found::default() });
+        let count = words.len().min(share / 64);
+        let moved = take(&mut words, count);
+        push(&mut tasks, Task { first: i * share, motions, rows, moved, found: Found::default() });
     }
     crew.run(Stage::Finish, &mut tasks, |task| {
         for (i, (motion, row)) in task.motions.iter_mut().zip(task.rows.iter_mut()).enumerate() {
             let slot = task.first + i;
             if crate::pool::is_used(used, slot as u32) {
+                let before = (motion.center, motion.rotation);
                 match row.kind() {
                     BodyKind::Static => {}
                     BodyKind::Kinematic => move_kinematic(motion, row, dt),
@@ -144,6 +155,9 @@ fn store_motions<E: Executor>(
                             task.found.ready += u32::from(row.quiet_steps() >= steps);
                         }
                     }
+                }
+                if notes && before != (motion.center, motion.rotation) {
+                    task.moved[i / 64].moved |= 1 << (i % 64);
                 }
             }
         }

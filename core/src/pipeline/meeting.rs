@@ -35,7 +35,7 @@ pub(crate) fn frame_words(pose: &Pose) -> Words {
 }
 
 #[inline(always)]
-fn frame_of(words: Words) -> Pose {
+pub(crate) fn frame_of(words: Words) -> Pose {
     let x = words.to_array();
     Pose::new(Vec3::new(x[0], x[1], x[2]), Rotation::new(x[4], x[5], x[6], x[7]))
 }

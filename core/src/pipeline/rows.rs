@@ -43,6 +43,8 @@ pub(crate) fn fill(
     row.locked = u32::from(sides.are_locked());
     row.surfaces = u32::from(sides.surfaces != 0);
     row.turns = 0;
+    row.hits = u32::from(scene.hits);
+    (row.approach, row.total) = (Lane::ZERO, Lane::ZERO);
     row.slide = LaneVec::ZERO;
     fill_points(scene, &sides, row, own);
 }
@@ -56,6 +58,9 @@ fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mu
             (point.bounce, point.surface) = (Lane::ZERO, Lane::ZERO);
         }
         let (arm_a, arm_b) = sides.write_point(&found, point, i);
+        if scene.hits {
+            sides.measure_approach(&found, link, (i, arm_a, arm_b));
+        }
         patch.places[i] = arm_a;
         patch.sum = patch.sum + arm_a;
         patch.sum_b = patch.sum_b + arm_b;
@@ -333,6 +338,19 @@ impl Sides {
         point.separation = live.select(apart, Lane::ZERO);
         point.impulse = self.stored[i];
         (place, arm_b)
+    }
+
+    /// How fast point `i` approaches.
+    fn measure_approach(
+        &self,
+        found: &Placed,
+        row: &mut LinkRow,
+        (i, arm_a, arm_b): (usize, LaneVec, LaneVec),
+    ) {
+        let at_a = self.a.linear + self.a.angular.cross(arm_a);
+        let at_b = self.b.linear + self.b.angular.cross(arm_b);
+        let live = found.count.greater(Lane::splat(i as f32));
+        row.approach = live.keep(found.normal.dot(at_a - at_b)).greatest(row.approach);
     }
 
     /// One patch for the manifold: two tangents and the twist at the points' middle.

@@ -1,5 +1,6 @@
 //! Taking state from bytes of unknown origin: accepted exactly, or refused.
 
+mod events;
 mod joints;
 mod sleep;
 
@@ -10,11 +11,12 @@ use crate::body::{self, BodyKind, BodyRow, FLAGS_ALL, Motion};
 use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
+use crate::event::{EventRow, MovedWord, Tenant, Visit};
 use crate::joint::JointRow;
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::meeting;
 use crate::pool::{Marks, words};
-use crate::shape::{BOX_STALE, FRESH, Geometry, ShapeRow};
+use crate::shape::{self, BOX_STALE, FRESH, Geometry, ShapeRow};
 use crate::state::{AssetTables, ContactRow, Header, Pair};
 use crate::validate;
 use bytemuck::{AnyBitPattern, Zeroable};
@@ -66,6 +68,10 @@ struct Parts<'a> {
     joint_generations: Rows<'a, u32>,
     joint_used: Rows<'a, u64>,
     first_joints: Rows<'a, u32>,
+    events: Rows<'a, EventRow>,
+    tenants: Rows<'a, Tenant>,
+    visits: Rows<'a, Visit>,
+    moved: Rows<'a, MovedWord>,
 }
 
 /// What rows may refer to.
@@ -117,6 +123,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             joint_generations,
             joint_used,
             first_joints,
+            events,
+            tenants,
+            visits,
+            moved,
         ] = parts(snapshot, &sections);
         let parts = Parts {
             header,
@@ -136,6 +146,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             joint_generations: Rows::new(joint_generations),
             joint_used: Rows::new(joint_used),
             first_joints: Rows::new(first_joints),
+            events: Rows::new(events),
+            tenants: Rows::new(tenants),
+            visits: Rows::new(visits),
+            moved: Rows::new(moved),
         };
         let assets = self.layout.assets.header.of(self.bytes())[0];
         let limits = Limits {
@@ -172,7 +186,8 @@ impl Parts<'_> {
         self.check_pairs()?;
         self.check_contacts(&limits.tables)?;
         self.check_sleep(&limits.tables)?;
-        self.check_joints(limits)
+        self.check_joints(limits)?;
+        self.check_events()
     }
 
     fn body_is_used(&self, slot: u32) -> bool {
@@ -239,7 +254,7 @@ impl Parts<'_> {
             && is_rotation(row.pose.rotation)
             && validate::in_range("", row.density, 0.0, 1.0e9).is_ok()
             && crate::shape::check_material(row.friction, row.restitution).is_ok()
-            && row.flags & !(BOX_STALE | FRESH) == 0
+            && row.flags & !shape::FLAGS_ALL == 0
             && boxed
     }
 
@@ -291,7 +306,10 @@ impl Parts<'_> {
     fn can_meet(&self, pair: Pair) -> bool {
         let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
         let dynamic = |s: &ShapeRow| self.bodies.get(s.body).is_dynamic();
-        a.body != b.body && (dynamic(&a) || dynamic(&b)) && !(a.is_surface() && b.is_surface())
+        a.body != b.body
+            && (dynamic(&a) || dynamic(&b))
+            && !(a.is_surface() && b.is_surface())
+            && !(a.is_sensor() || b.is_sensor())
     }
 
     fn check_contacts(&self, assets: &AssetTables<'_>) -> Checked {

@@ -1,6 +1,7 @@
 //! Creating, changing and reading shapes.
 
 use super::World;
+use super::events::{count_shape, forget_shape};
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::BodyKind;
@@ -17,17 +18,22 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space, a mesh or a
+    /// [`Error::Stale`] body or asset, [`Error::Full`], also for a sensor in a world without
+    /// [`Capacities::sensor_visits`](crate::Capacities::sensor_visits), [`Error::WrongKind`] for a half-space, a mesh or a
     /// height field on a dynamic body, or a number of the definition is refused; see [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;
         self.check_geometry(&def.geometry, self.kind(body)?)?;
+        if def.sensor.is_some() && self.capacities.sensor_visits == 0 {
+            return Err(Error::Full { name: "sensor_visits" });
+        }
         let mut state = self.state_view();
         let marks = &mut state.header[0].shapes;
         let slot = pool::acquire(marks, state.shape_used, state.shape_generations)
             .ok_or(Error::Full { name: "shapes" })?;
         state.shapes[slot as usize] = ShapeRow::new(body_slot as u32, def);
+        count_shape(&mut state, slot as usize);
         append(&mut state, body_slot, slot);
         wake_slot(&mut state, body_slot);
         let handle = ShapeHandle { index: slot, generation: state.shape_generations[slot as usize] };
@@ -46,6 +52,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let body = state.shapes[slot].body as usize;
         wake_slot(&mut state, body);
         unlink(&mut state, body, slot as u32);
+        forget_shape(&mut state, slot);
         state.shapes[slot] = Zeroable::zeroed();
         pool::release(&mut state.header[0].shapes, state.shape_used, slot as u32);
         state.header[0].pairs_stale |= PAIRS_REMOVED;
@@ -72,6 +79,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             friction: row.friction,
             restitution: row.restitution,
             filter: row.filter,
+            sensor: row.sensor(),
+            events: row.events(),
             user: row.user,
         })
     }
