@@ -49,6 +49,11 @@ impl EventKinds {
         Self(self.0 | other.0)
     }
 
+    /// The kinds of this one that are not in `other`.
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// True when all kinds of `other` are in the set.
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0

@@ -388,7 +388,7 @@ region! {
         tree_keys: u64 = c.shapes as usize,
         /// Shapes whose boxes changed, ascending.
         moved: u32 = c.shapes as usize,
-        /// 1 for such a shape, 2 for a slot without one.
+        /// Bits of `broadphase.rs` for each slot: `MOVED`, `GONE`, `SLEEPS`.
         is_moved: u8 = c.shapes as usize,
         /// Pairs found for moved shapes, twice the capacity so that the best can be chosen.
         found: u64 = 2 * c.pairs as usize,

@@ -8,7 +8,7 @@ use crate::worlds::OwnedWorld;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     Axis, AxisLocks, BodyDef, BodyHandle, BodyKind, Error, Filter, Geometry, JointDef, JointHandle,
-    MassProperties, Position, Settings, ShapeDef, ShapeHandle,
+    MassProperties, Position, Settings, ShapeDef, ShapeEvents, ShapeHandle,
 };
 
 /// A call that changes a world. The names are those of the methods of `World`.
@@ -40,6 +40,7 @@ pub enum Command {
     SetDensity(ShapeHandle, f32),
     SetMaterial(ShapeHandle, f32, f32),
     SetFilter(ShapeHandle, Filter),
+    SetShapeEvents(ShapeHandle, ShapeEvents),
     CreateJoint(Box<JointDef>),
     RemoveJoint(JointHandle),
     SetJoint(JointHandle, Box<JointDef>),
@@ -81,6 +82,7 @@ impl Command {
             Self::SetDensity(shape, density) => world.set_density(*shape, *density)?,
             Self::SetMaterial(shape, friction, bounce) => world.set_material(*shape, *friction, *bounce)?,
             Self::SetFilter(shape, filter) => world.set_filter(*shape, *filter)?,
+            Self::SetShapeEvents(shape, events) => world.set_shape_events(*shape, *events)?,
             Self::SetSettings(settings) => world.set_settings(settings)?,
             of_body => return of_body.apply_to_body(world),
         }

@@ -7,6 +7,7 @@
 use crate::collide::{MANIFOLDS_MAX, Manifold, Manifolds, POINTS_MAX};
 use crate::executor::{Executor, Stage};
 use crate::math::{Pose, max, sqrt};
+use crate::pipeline::broadphase::SLEEPS;
 use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
@@ -57,6 +58,7 @@ fn collide_pairs<E: Executor>(
         assets,
         dt,
         memos_fit: cache.header[0].memos_fit != 0,
+        marks: scratch.is_moved,
     };
     let pairs = &state.pairs[..pair_count];
     let half = cache.header[0].memo_half as usize * (cache.memos.len() / 2);
@@ -107,11 +109,19 @@ struct Look<'a> {
     assets: &'a AssetTables<'a>,
     dt: f32,
     memos_fit: bool,
+    /// Which shapes sleep; see `broadphase.rs`.
+    marks: &'a [u8],
 }
 
 impl Look<'_> {
     fn shape(&self, slot: u32) -> &ShapeRow {
         &self.scene.shapes[slot as usize]
+    }
+
+    /// False when a shape of the pair sleeps: had it points with something that pushes, it would have woken.
+    #[inline(always)]
+    fn is_awake(&self, pair: Pair) -> bool {
+        (self.marks[pair.a as usize] | self.marks[pair.b as usize]) & SLEEPS == 0
     }
 
     /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.
@@ -219,7 +229,7 @@ impl Task<'_> {
             let mut count = 0;
             for (i, &pair) in pairs.iter().enumerate() {
                 near[count] = i as u8;
-                count += usize::from(look.scene.may_touch(pair));
+                count += usize::from(look.is_awake(pair) && look.scene.may_touch(pair));
             }
             for &i in &near[..count] {
                 let pair = pairs[usize::from(i)];

@@ -7,7 +7,7 @@
 use super::events::{are_told, tell};
 use crate::event::{EventKind, EventKinds, Visit};
 use crate::executor::{Executor, Stage};
-use crate::pipeline::broadphase::tree_of;
+use crate::pipeline::broadphase::{MOVED, tree_of};
 use crate::pipeline::solver::take;
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, query_trees};
@@ -91,7 +91,7 @@ fn rests(state: &State<'_>, slot: u32) -> bool {
 
 /// What sensors have to look at.
 struct Looks<'a> {
-    /// 1 for shapes that left their boxes, or were changed.
+    /// `MOVED` for shapes that left their boxes, or were changed.
     marks: &'a [u8],
     /// Everything is to be looked at.
     all: bool,
@@ -104,7 +104,7 @@ impl Looks<'_> {
     /// this one is fresh.
     fn stays(&self, state: &State<'_>, slot: u32) -> bool {
         let index = slot as usize;
-        rests(state, slot) && self.marks[index] == 0 && state.shapes[index].flags & FRESH == 0
+        rests(state, slot) && self.marks[index] & MOVED == 0 && state.shapes[index].flags & FRESH == 0
     }
 
     /// True when a visit goes on without a look.

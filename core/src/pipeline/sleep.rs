@@ -19,7 +19,7 @@ use crate::cells::{IMMOVABLE, UNORDERED};
 use crate::collide::Manifolds;
 use crate::joint::BROKEN;
 use crate::math::Vec3;
-use crate::pipeline::broadphase::{key, merge_sorted, pair_of, place_shape};
+use crate::pipeline::broadphase::{SLEEPS, key, merge_sorted, pair_of, place_shape};
 use crate::pipeline::meeting::{Meeting, Scene};
 use crate::pipeline::ordering::Links;
 use crate::pipeline::{Counts, events, solid};
@@ -241,6 +241,7 @@ fn place_woken(
     for slot in iterate(state.shape_used, state.header[0].shapes.high) {
         let body = state.shapes[slot as usize].body as usize;
         if scratch.marks[body] == WAKE {
+            scratch.is_moved[slot as usize] &= !SLEEPS;
             place_shape(state, (assets, dt), (Some(home), scratch), slot);
         }
     }

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::event::Visit;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::math::{Pose, Vec3};
+use crate::pipeline::broadphase::MOVED;
 use crate::pipeline::solid;
 use glam::DVec3;
 
@@ -25,8 +26,8 @@ struct Sensor<'s> {
 }
 
 impl Queries<'_> {
-    /// What is in the sensor of a slot, ascending by slot; what finds no room has the highest ones. With `marks` the
-    /// shapes that rest are left out, but for those with a mark of 1.
+    /// What is in the sensor of a slot, ascending by slot; what finds no room has the highest ones. With `marks` those
+    /// of shapes that rest are left out that are not marked as `MOVED`, and all of them with an empty slice.
     pub(crate) fn visits(&self, slot: u32, marks: Option<&[u8]>, visits: &mut [Visit]) -> Found {
         // Nothing about a sensor of the world is refused.
         self.all(&Sensor { slot, marks }, &QueryFilter::ALL, visits).unwrap_or_default()
@@ -103,7 +104,7 @@ impl Query for Sensor<'_> {
                 limit,
                 |bounds| near.bound(bounds),
                 |slot| {
-                    let looks = marks.is_none_or(|marks| marks.get(slot as usize) == Some(&1));
+                    let looks = marks.is_none_or(|marks| marks[slot as usize] & MOVED != 0);
                     if looks
                         && let Some(other) = queries.candidate(slot, &filter, motion.center)
                         && shape.overlaps(&frame, &other)
