@@ -293,8 +293,6 @@ pub(crate) const ASLEEP: u32 = 64;
 pub(crate) const WAKES: u32 = 128;
 /// The body never sleeps, and keeps its island awake.
 pub(crate) const SLEEPLESS: u32 = 1 << 14;
-/// The body slept at the end of the last step, and a call has made it something that does not.
-pub(crate) const ROUSED: u32 = 1 << 15;
 /// Bits of the number of steps that the body has been quiet.
 pub(crate) const QUIET_SHIFT: u32 = 16;
 pub(crate) const FLAGS_ALL: u32 = KIND_MASK
@@ -306,7 +304,6 @@ pub(crate) const FLAGS_ALL: u32 = KIND_MASK
     | ASLEEP
     | WAKES
     | SLEEPLESS
-    | ROUSED
     | (0xffff << QUIET_SHIFT);
 
 impl BodyRow {

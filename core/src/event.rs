@@ -1,20 +1,20 @@
 //! Events: what happened in a step that a game wants to hear of.
 //!
-//! A world keeps the events of its last step, as far as [`Capacities::events`](crate::Capacities::events) goes. They
-//! are part of the state: a world that was restored has the events of the step that was saved. The next step, also
-//! one without length, replaces them.
+//! A world keeps the events of its last step, as far as [`Capacities::events`](crate::Capacities::events) goes.
+//! They are part of the state: a world that was restored has the events of the step that was saved. The next
+//! step, also one without length, replaces them.
 //!
-//! **Order.** The stages of the step, one after the other: woke, contacts ended, contacts began, hits, joints broken,
-//! quarantined, sensors ended, sensors began, slept. Events of one kind are ascending by slot: of the body, of the
-//! joint, of the two shapes (lower one first), of the sensor and then of its visitor. No executor changes the order.
-//! When there are too many events, the last ones in this order are dropped, and counted in
+//! **Order.** The stages of the step, one after the other: woke, contacts ended, contacts began, hits, joints
+//! broken, quarantined, sensors ended, sensors began, slept. Events of one kind are ascending by slot: of the
+//! body, of the joint, of the two shapes (lower one first), of the sensor and then of its visitor. No executor
+//! changes the order. When there are too many events, the last ones in this order are dropped, and counted in
 //! [`StepReport::dropped_events`](crate::StepReport::dropped_events).
 //!
 //! **Who is heard.** Contacts and hits only of shapes that ask for them, see [`ShapeEvents`]: one of the two is
 //! enough. All others always. [`Settings::events`](crate::Settings::events) leaves kinds out.
 //!
-//! **What is gone.** A contact or a visit also ends because a shape was removed; the next step tells. Then the event
-//! names what was there: its handles are stale, and never name a new tenant of the slot.
+//! **What is gone.** A contact or a visit also ends because a shape was removed; the next step tells. Then the
+//! event names what was there: its handles are stale, and never name a new tenant of the slot.
 
 use crate::body::Position;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
@@ -99,13 +99,15 @@ pub enum EventKind {
     /// removed, its body quarantined, or the filter changed.
     ContactEnded(Touching),
     /// Two shapes have a contact that had none: at the start of the step they were nearer than the speculative
-    /// distance and what they may come nearer in the step, so they need not have touched. See [`EventKind::ContactHit`].
+    /// distance and what they may come nearer in the step, so they need not have touched. See
+    /// [`EventKind::ContactHit`].
     ContactBegan(Touching),
     /// Two shapes met faster than [`Settings::hit_speed`](crate::Settings::hit_speed) and pressed.
     ContactHit(ContactHit),
     /// A joint gave way under its load.
     JointBroken(JointBreak),
-    /// A body was no longer finite and was stopped for good: see [`World::is_quarantined`](crate::World::is_quarantined).
+    /// A body was no longer finite and was stopped for good: see
+    /// [`World::is_quarantined`](crate::World::is_quarantined).
     Quarantined(BodyHandle),
     /// A shape left a sensor.
     SensorEnded(Visit),
@@ -129,7 +131,8 @@ pub struct Touching {
 pub struct ContactHit {
     /// The shapes and their bodies.
     pub touching: Touching,
-    /// The point of the contact that approached fastest, at the start of the step: the middle between the surfaces.
+    /// The point of the contact that approached fastest, at the start of the step: the middle between the
+    /// surfaces.
     pub point: Position,
     /// Unit normal from the first shape to the second.
     pub normal: Vec3,
@@ -276,7 +279,8 @@ impl EventRow {
         })
     }
 
-    /// True for a row that could be a step's: of a known kind, finite, and nothing in it that its kind does not say.
+    /// True for a row that could be a step's: of a known kind, finite, and nothing in it that its kind does not
+    /// say.
     pub fn is_sound(&self) -> bool {
         let canonical = |kind| bytemuck::bytes_of(&EventRow::from(kind)) == bytemuck::bytes_of(self);
         self.read().is_some_and(canonical)
@@ -297,16 +301,18 @@ pub(crate) struct Tenant {
     pub flags: u32,
 }
 
-/// Which of 64 bodies moved.
+/// What happened to 64 bodies: a bit each.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct MovedWord {
-    /// In the last step, or by calls before it.
+pub(crate) struct BodyNews {
+    /// Moved in the last step, or by calls before it.
     pub moved: u64,
-    /// By calls since.
+    /// Moved by calls since.
     pub called: u64,
     /// Fell asleep in the last step.
     pub slept: u64,
+    /// Slept at the end of the last step, and was made something that does not by a call since.
+    pub roused: u64,
 }
 
 /// A body that is elsewhere than it was a step ago.

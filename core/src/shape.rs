@@ -189,8 +189,8 @@ pub struct ShapeDef {
     pub restitution: f32,
     /// Which shapes it meets.
     pub filter: Filter,
-    /// `Some` for a sensor, with the kinds of bodies whose shapes it detects, at least one: it makes no contacts, and
-    /// queries pass through it. See [`World::visits`](crate::World::visits).
+    /// `Some` for a sensor, with the kinds of bodies whose shapes it detects, at least one: it makes no
+    /// contacts, and queries pass through it. See [`World::visits`](crate::World::visits).
     pub sensor: Option<BodyKinds>,
     /// Of what about it events are made. A sensor has events of its own, always.
     pub events: ShapeEvents,
@@ -199,8 +199,8 @@ pub struct ShapeDef {
 }
 
 impl ShapeDef {
-    /// A sensor at the body's origin that has no mass, meets every filter, and detects the shapes of dynamic and of
-    /// kinematic bodies.
+    /// A sensor at the body's origin that has no mass, meets every filter, and detects the shapes of dynamic
+    /// and of kinematic bodies.
     pub fn sensor(geometry: Geometry) -> Self {
         Self { density: 0.0, sensor: Some(BodyKinds::MOVING), ..Self::new(geometry) }
     }

@@ -14,7 +14,7 @@ use crate::collide::tree;
 use crate::config::SettingsRow;
 use crate::constraint::joint::{BoundRow, JointLink, LockRow};
 use crate::constraint::row::{LinkRow, PointRow};
-use crate::event::{EventRow, MovedWord, Tenant, Visit};
+use crate::event::{BodyNews, EventRow, Tenant, Visit};
 use crate::joint::JointRow;
 use crate::lanes::Words;
 use crate::math::{Aabb, Rotation, Vec3};
@@ -76,7 +76,7 @@ pub(crate) struct Header {
 
 /// Some rows of `tenants` are not zero.
 pub(crate) const TENANTS_LEFT: u32 = 1;
-/// A body has `ROUSED`.
+/// A body is marked as roused.
 pub(crate) const ROUSED_LEFT: u32 = 4;
 /// Visits were dropped for want of room: all must be looked for again.
 pub(crate) const VISITS_DROPPED: u32 = 2;
@@ -199,8 +199,9 @@ region! {
         tenants: Tenant = if c.events == 0 { 0 } else { c.shapes as usize },
         /// What is in each sensor: sorted by the slots of the sensor and the visitor, distinct.
         visits: Visit = c.sensor_visits as usize,
-        /// Bodies that moved, 64 in each; zero unless the settings ask for it.
-        moved: MovedWord = words(c.bodies as usize),
+        /// Bodies that moved, if the settings ask for it, and those that a call has roused, if there is room for
+        /// events.
+        news: BodyNews = words(c.bodies as usize),
     }
 }
 
@@ -443,8 +444,8 @@ region! {
         phase_seats: u32 = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),
-        /// Pairs of shapes of contacts that ended in this step, and that began; contacts that are hits. Of no length
-        /// without events.
+        /// Pairs of shapes of contacts that ended in this step, and that began; contacts that are hits. Of no
+        /// length without events.
         ended: u64 = if c.events == 0 { 0 } else { 2 * c.contacts as usize },
         began: u64 = if c.events == 0 { 0 } else { c.contacts as usize },
         hits: u32 = if c.events == 0 { 0 } else { c.contacts as usize },

@@ -1,10 +1,10 @@
 //! Events of a step, in the order of its stages; see `event.rs`.
 //!
-//! Contacts that began or ended are found where the set of contacts changes: `contacts.rs` and `sleep.rs` list the
-//! pairs in question, and here they are looked up in the contacts of before and of now. So a step in which no contact
-//! begins or ends does nothing, whatever the number of contacts.
+//! Contacts that began or ended are found where the set of contacts changes: `contacts.rs` and `sleep.rs` list
+//! the pairs in question, and here they are looked up in the contacts of before and of now. So a step in which
+//! no contact begins or ends does nothing, whatever the number of contacts.
 
-use crate::body::{self, Motion, ROUSED};
+use crate::body::{self, Motion};
 use crate::cells::IMMOVABLE;
 use crate::config::Settings;
 use crate::event::{ContactHit, EventKind, EventKinds, EventRow, JointBreak, Tenant, Touching};
@@ -65,15 +65,20 @@ pub(crate) fn roused(state: &mut State<'_>, counts: &mut Counts) {
     }
     state.header[0].event_marks &= !ROUSED_LEFT;
     for slot in 0..state.header[0].bodies.high {
-        if state.bodies[slot as usize].has(ROUSED) {
+        if is_roused(state, slot) {
             woke(state, counts, slot);
         }
     }
 }
 
+/// True when a body slept that a call has made something else.
+pub(crate) fn is_roused(state: &State<'_>, slot: u32) -> bool {
+    state.news[slot as usize / 64].roused >> (slot % 64) & 1 != 0
+}
+
 /// Tells that a body woke.
 pub(crate) fn woke(state: &mut State<'_>, counts: &mut Counts, slot: u32) {
-    state.bodies[slot as usize].flags &= !ROUSED;
+    state.news[slot as usize / 64].roused &= !(1 << (slot % 64));
     if are_told(state, EventKinds::SLEEP) {
         let body = body_handle(state, slot);
         tell(state, counts, EventKind::Woke(body));
@@ -96,8 +101,8 @@ pub(crate) fn note(list: &mut [u64], count: &mut usize, pair: Pair) {
     }
 }
 
-/// Tells which contacts ended and which began. The lists in the scratch have the pairs that lost a contact and those
-/// that got one.
+/// Tells which contacts ended and which began. The lists in the scratch have the pairs that lost a contact and
+/// those that got one.
 pub(crate) fn contacts(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut Counts) {
     let (ended, began) = (&mut scratch.ended[..counts.ended], &scratch.began[..counts.began]);
     if !(ended.is_empty() && began.is_empty()) && are_told(state, EventKinds::CONTACTS) {
@@ -291,7 +296,7 @@ pub(crate) fn quarantined(state: &mut State<'_>, active_of: &[u32], counts: &mut
 pub(crate) fn begin_moved(state: &mut State<'_>) {
     if state.header[0].settings.notes_moved() {
         let words = crate::pool::words(state.header[0].bodies.high as usize);
-        for word in &mut state.moved[..words] {
+        for word in &mut state.news[..words] {
             (word.moved, word.called, word.slept) = (word.called, 0, 0);
         }
     }
@@ -300,19 +305,19 @@ pub(crate) fn begin_moved(state: &mut State<'_>) {
 /// Notes that a body was moved by a call.
 pub(crate) fn note_moved(state: &mut State<'_>, slot: usize) {
     if state.header[0].settings.notes_moved() {
-        state.moved[slot / 64].called |= 1 << (slot % 64);
+        state.news[slot / 64].called |= 1 << (slot % 64);
     }
 }
 
 /// Notes that a body fell asleep in this step.
 pub(crate) fn note_slept(state: &mut State<'_>, slot: usize) {
     if state.header[0].settings.notes_moved() {
-        state.moved[slot / 64].slept |= 1 << (slot % 64);
+        state.news[slot / 64].slept |= 1 << (slot % 64);
     }
 }
 
 /// Slots that are listed as moved, ascending.
-pub(crate) fn moved_slots(words: &[crate::event::MovedWord], high: u32) -> impl Iterator<Item = u32> + '_ {
+pub(crate) fn moved_slots(words: &[crate::event::BodyNews], high: u32) -> impl Iterator<Item = u32> + '_ {
     let count = crate::pool::words(high as usize);
     (0..).zip(&words[..count]).flat_map(|(word, bits)| {
         let mut rest = bits.moved | bits.called;

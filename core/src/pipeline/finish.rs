@@ -5,7 +5,7 @@ use crate::body::{
 };
 use crate::config::{SECTOR_MAX, Settings};
 use crate::constraint::row::{LinkRow, PointRow};
-use crate::event::MovedWord;
+use crate::event::BodyNews;
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
@@ -114,14 +114,14 @@ fn store_motions<E: Executor>(
         motions: &'a mut [Motion],
         rows: &'a mut [BodyRow],
         /// Empty when nobody asks which bodies moved.
-        moved: &'a mut [MovedWord],
+        moved: &'a mut [BodyNews],
         found: Found,
     }
     let high = state.header[0].bodies.high as usize;
     // Whole words of the list of what moved.
     let share = chunk(high, FINISH_BODIES).next_multiple_of(64);
     let notes = state.header[0].settings.notes_moved();
-    let mut words = if notes { &mut *state.moved } else { &mut [] };
+    let mut words = if notes { &mut *state.news } else { &mut [] };
     let results = Results {
         active_of: scratch.active_of,
         first_seats: cache.first_seats,

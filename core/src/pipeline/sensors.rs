@@ -1,8 +1,8 @@
 //! Sensors: what overlaps them at the end of the step, exactly.
 //!
-//! The visits are a sorted set in the state. A sensor that moves looks for everything around it. One that rests keeps
-//! what rests in it, and looks only at what moves or was changed: a sensor around a pile that sleeps costs nothing.
-//! A world without sensors pays one comparison.
+//! The visits are a sorted set in the state. A sensor that moves looks for everything around it. One that rests
+//! keeps what rests in it, and looks only at what moves or was changed: a sensor around a pile that sleeps
+//! costs nothing. A world without sensors pays one comparison.
 
 use super::events::{are_told, tell};
 use crate::event::{EventKind, EventKinds, Visit};
@@ -20,8 +20,8 @@ use bytemuck::Zeroable;
 /// Sensors that are worth a task.
 const SENSORS: usize = 4;
 
-/// Brings the visits to the poses of now, and tells what began and ended. `moved` shapes are listed in the scratch:
-/// changed ones are among them.
+/// Brings the visits to the poses of now, and tells what began and ended. `moved` shapes are listed in the
+/// scratch: changed ones are among them.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
     (assets, moved): (&AssetTables<'_>, usize),
@@ -100,8 +100,8 @@ struct Looks<'a> {
 }
 
 impl Looks<'_> {
-    /// True when a shape is where it was, and what it was, at the end of the last step. One that was quarantined in
-    /// this one is fresh.
+    /// True when a shape is where it was, and what it was, at the end of the last step. One that was
+    /// quarantined in this one is fresh.
     fn stays(&self, state: &State<'_>, slot: u32) -> bool {
         let index = slot as usize;
         rests(state, slot) && self.marks[index] & MOVED == 0 && state.shapes[index].flags & FRESH == 0

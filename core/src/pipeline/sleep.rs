@@ -14,7 +14,7 @@
 //! Its contacts come back with their impulses. All of this follows from the state: the islands are found by union
 //! of links whenever somebody may fall asleep or wakes, and nothing depends on how often that was.
 
-use crate::body::{ASLEEP, BodyKind, BodyRow, Motion, ROUSED, SLEEPLESS, WAKES};
+use crate::body::{ASLEEP, BodyKind, BodyRow, Motion, SLEEPLESS, WAKES};
 use crate::cells::{IMMOVABLE, UNORDERED};
 use crate::collide::Manifolds;
 use crate::joint::BROKEN;
@@ -226,7 +226,7 @@ fn rouse(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut Counts) 
                 state.header[0].asleep -= 1;
                 events::woke(state, counts, slot);
             }
-        } else if state.bodies[slot as usize].has(ROUSED) {
+        } else if events::is_roused(state, slot) {
             events::woke(state, counts, slot);
         }
     }

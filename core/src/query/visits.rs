@@ -26,8 +26,9 @@ struct Sensor<'s> {
 }
 
 impl Queries<'_> {
-    /// What is in the sensor of a slot, ascending by slot; what finds no room has the highest ones. With `marks` those
-    /// of shapes that rest are left out that are not marked as `MOVED`, and all of them with an empty slice.
+    /// What is in the sensor of a slot, ascending by slot; what finds no room has the highest ones. With
+    /// `marks` those of shapes that rest are left out that are not marked as `MOVED`, and all of them with an
+    /// empty slice.
     pub(crate) fn visits(&self, slot: u32, marks: Option<&[u8]>, visits: &mut [Visit]) -> Found {
         // Nothing about a sensor of the world is refused.
         self.all(&Sensor { slot, marks }, &QueryFilter::ALL, visits).unwrap_or_default()

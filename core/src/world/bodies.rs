@@ -7,7 +7,7 @@ use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::{
     self, ASLEEP, AxisLocks, BodyDef, BodyKind, BodyRow, CHANGED_SECTOR, GIVEN_MASS, MassProperties, Motion,
-    Position, ROUSED, SLEEPLESS, STOPS_AFTER_STEP,
+    Position, SLEEPLESS, STOPS_AFTER_STEP,
 };
 use crate::collide::mass::MassAccumulator;
 use crate::error::Error;
@@ -299,7 +299,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             row.flags &= !ASLEEP;
             state.header[0].asleep -= 1;
             if !state.events.is_empty() {
-                row.flags |= ROUSED;
+                state.news[slot / 64].roused |= 1 << (slot % 64);
                 state.header[0].event_marks |= ROUSED_LEFT;
             }
         }

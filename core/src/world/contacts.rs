@@ -69,8 +69,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         self.living(&rows[..self.header().contacts as usize])
     }
 
-    /// Contacts of bodies that sleep, with each other and with what rests, as they were when they fell asleep; in the
-    /// order of their shapes' slots. In the step in which a body falls asleep its contacts are among
+    /// Contacts of bodies that sleep, with each other and with what rests, as they were when they fell asleep;
+    /// in the order of their shapes' slots. In the step in which a body falls asleep its contacts are among
     /// [`World::contacts`], too. Those of shapes that were removed, moved or changed since are left out.
     pub fn sleeping_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let rows = self.layout.state.asleep_contacts.of(self.state());

@@ -11,8 +11,8 @@ use crate::shape::{ShapeRow, TELLS_HITS, check_shape_events};
 use crate::state::{State, TENANTS_LEFT};
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
-    /// What happened in the last step, in the order of its stages: see [`EventKind`](crate::EventKind). None without
-    /// [`Capacities::events`](crate::Capacities::events).
+    /// What happened in the last step, in the order of its stages: see [`EventKind`](crate::EventKind). None
+    /// without [`Capacities::events`](crate::Capacities::events).
     pub fn events(&self) -> impl Iterator<Item = Event> + '_ {
         let step = self.steps();
         let rows = &self.layout.state.events.of(self.state())[..self.header().events as usize];
@@ -20,13 +20,13 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     }
 
     /// The shapes that are in a sensor at the end of the last step, ascending by slot, as far as
-    /// [`Capacities::sensor_visits`](crate::Capacities::sensor_visits) goes. Those that were removed since are left
-    /// out.
+    /// [`Capacities::sensor_visits`](crate::Capacities::sensor_visits) goes. Those that were removed since are
+    /// left out.
     ///
-    /// A shape is in a sensor when the two overlap or touch at the poses at the end of the step, their filters meet,
-    /// and the shape's body is of a kind that the sensor detects and not the sensor's own. It need not be awake.
-    /// Sensors do not detect each other, surfaces (half-spaces, meshes, height fields) not one another, and what
-    /// passes through a sensor within one step is not detected. Joints do not matter.
+    /// A shape is in a sensor when the two overlap or touch at the poses at the end of the step, their filters
+    /// meet, and the shape's body is of a kind that the sensor detects and not the sensor's own. It need not be
+    /// awake. Sensors do not detect each other, surfaces (half-spaces, meshes, height fields) not one another,
+    /// and what passes through a sensor within one step is not detected. Joints do not matter.
     ///
     /// # Errors
     /// [`Error::Stale`]. A shape that is no sensor has no visits.
@@ -53,16 +53,17 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(())
     }
 
-    /// The bodies that are elsewhere, or turned otherwise, than at the end of the step before the last: those that
-    /// the last step moved, and those that calls created or put elsewhere before it or after it. Ascending by slot.
-    /// The time does not depend on how many bodies rest, but for a bit each. None unless
+    /// The bodies that are elsewhere, or turned otherwise, than at the end of the step before the last: those
+    /// that the last step moved, and those that calls created or put elsewhere before it or after it. Ascending
+    /// by slot. The time does not depend on how many bodies rest, but for a bit each. None unless
     /// [`Settings::moved_list`](crate::Settings::moved_list).
     ///
-    /// For a renderer that shows poses between the last two steps, see [`interpolated`](crate::clock::interpolated):
-    /// a body that is not in the list stands where it was in both.
+    /// For a renderer that shows poses between the last two steps, see
+    /// [`interpolated`](crate::clock::interpolated): a body that is not in the list stands where it was in
+    /// both.
     pub fn moved_bodies(&self) -> impl Iterator<Item = MovedBody> + '_ {
         let spans = &self.layout.state;
-        let words = spans.moved.of(self.state());
+        let words = spans.news.of(self.state());
         let (bodies, motions) = (spans.bodies.of(self.state()), spans.motions.of(self.state()));
         let generations = spans.body_generations.of(self.state());
         events::moved_slots(words, self.header().bodies.high).map(move |index| {
@@ -98,15 +99,18 @@ pub(super) fn forget_shape(state: &mut State<'_>, slot: usize) {
     }
 }
 
-/// A body is removed: it is in no list of those that moved.
+/// A body is removed: there is no news of it.
 pub(super) fn forget_body(state: &mut State<'_>, slot: usize) {
-    let word = &mut state.moved[slot / 64];
+    let word = &mut state.news[slot / 64];
     let others = !(1 << (slot % 64));
-    (word.moved, word.called, word.slept) = (word.moved & others, word.called & others, word.slept & others);
+    (word.moved, word.called) = (word.moved & others, word.called & others);
+    (word.slept, word.roused) = (word.slept & others, word.roused & others);
 }
 
 /// Whether anything moved is noted no longer.
 pub(super) fn forget_moved(state: &mut State<'_>) {
     let count = pool::words(state.header[0].bodies.high as usize);
-    state.moved[..count].fill(crate::event::MovedWord::default());
+    for word in &mut state.news[..count] {
+        (word.moved, word.called, word.slept) = (0, 0, 0);
+    }
 }

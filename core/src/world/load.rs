@@ -11,7 +11,7 @@ use crate::body::{self, BodyKind, BodyRow, FLAGS_ALL, Motion};
 use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
-use crate::event::{EventRow, MovedWord, Tenant, Visit};
+use crate::event::{BodyNews, EventRow, Tenant, Visit};
 use crate::joint::JointRow;
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::meeting;
@@ -71,7 +71,7 @@ struct Parts<'a> {
     events: Rows<'a, EventRow>,
     tenants: Rows<'a, Tenant>,
     visits: Rows<'a, Visit>,
-    moved: Rows<'a, MovedWord>,
+    news: Rows<'a, BodyNews>,
 }
 
 /// What rows may refer to.
@@ -126,7 +126,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             events,
             tenants,
             visits,
-            moved,
+            news,
         ] = parts(snapshot, &sections);
         let parts = Parts {
             header,
@@ -149,7 +149,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             events: Rows::new(events),
             tenants: Rows::new(tenants),
             visits: Rows::new(visits),
-            moved: Rows::new(moved),
+            news: Rows::new(news),
         };
         let assets = self.layout.assets.header.of(self.bytes())[0];
         let limits = Limits {

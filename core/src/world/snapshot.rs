@@ -91,7 +91,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             section!(events, crate::event::EventRow, header.events as usize),
             section!(tenants, crate::event::Tenant, if self.capacities.events == 0 { 0 } else { shapes }),
             section!(visits, crate::event::Visit, header.visits as usize),
-            section!(moved, crate::event::MovedWord, words(bodies)),
+            section!(news, crate::event::BodyNews, words(bodies)),
         ]
     }
 

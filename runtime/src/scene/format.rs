@@ -336,8 +336,8 @@ pub struct ShapeDoc {
     /// What it collides with.
     #[serde(default, skip_serializing_if = "is_default")]
     pub filter: FilterDoc,
-    /// Whether it only detects shapes of bodies that may move, without contacts; it has no mass unless a material is
-    /// named.
+    /// Whether it only detects shapes of bodies that may move, without contacts; it has no mass unless a material
+    /// is named.
     #[serde(default, skip_serializing_if = "is_default")]
     pub sensor: bool,
     /// The game's own number.

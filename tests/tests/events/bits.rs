@@ -1,5 +1,5 @@
-//! The same events whoever steps, whatever was saved and restored, and however little room there is; and events change
-//! no motion.
+//! The same events whoever steps, whatever was saved and restored, and however little room there is; and events
+//! change no motion.
 
 use crate::scene::{Busy, busy};
 use cellstep::math::Vec3;

@@ -1,7 +1,7 @@
 //! Events, visits and moved bodies, of unknown origin.
 
 use super::{Checked, Parts, is_zero, require};
-use crate::body::{ASLEEP, ROUSED};
+use crate::body::ASLEEP;
 use crate::shape::TELLS_HITS;
 use crate::state::{ROUSED_LEFT, TENANTS_LEFT, VISITS_DROPPED};
 
@@ -10,6 +10,8 @@ impl Parts<'_> {
         let header = &self.header;
         let marks = header.event_marks;
         require(marks & !(TENANTS_LEFT | VISITS_DROPPED | ROUSED_LEFT) == 0, "header", 0)?;
+        let remembers = self.tenants.len() == header.shapes.high;
+        require(marks & TENANTS_LEFT == 0 || remembers, "header", 0)?;
         let (mut sensors, mut hit_shapes) = (0, 0);
         for slot in (0..header.shapes.high).filter(|&slot| self.shape_is_used(slot)) {
             let shape = self.shapes.get(slot);
@@ -31,20 +33,21 @@ impl Parts<'_> {
             require(ascends && known, "visits", i)?;
             before = Some(row.key());
         }
-        self.check_moved()
+        self.check_news()
     }
 
-    fn check_moved(&self) -> Checked {
+    fn check_news(&self) -> Checked {
         let header = &self.header;
-        for (i, row) in (0..).zip(self.moved.iter()) {
-            let bits = row.moved | row.called | row.slept;
-            require(bits & !self.body_used.get(i) == 0, "moved", i)?;
-            require(bits == 0 || header.settings.notes_moved(), "moved", i)?;
+        for (i, row) in (0..).zip(self.news.iter()) {
+            let moved = row.moved | row.called | row.slept;
+            let roused = header.event_marks & ROUSED_LEFT != 0;
+            require((moved | row.roused) & !self.body_used.get(i) == 0, "news", i)?;
+            require(moved == 0 || header.settings.notes_moved(), "news", i)?;
+            require(row.roused == 0 || roused, "news", i)?;
         }
         for slot in 0..header.bodies.high {
-            let row = self.bodies.get(slot);
-            let told = header.event_marks & ROUSED_LEFT != 0 && !row.has(ASLEEP);
-            require(!row.has(ROUSED) || told, "bodies", slot)?;
+            let is_roused = self.news.get(slot / 64).roused >> (slot % 64) & 1 != 0;
+            require(!is_roused || !self.bodies.get(slot).has(ASLEEP), "news", slot / 64)?;
         }
         Ok(())
     }
