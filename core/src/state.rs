@@ -12,12 +12,15 @@ use crate::cells::{self, Block, Link, OrderingRow, UNORDERED};
 pub(crate) use crate::collide::hull::HullRow;
 use crate::collide::tree;
 use crate::config::SettingsRow;
-use crate::constraint::joint::{BoundRow, JointLink, LockRow};
+use crate::constraint::joint::{
+    BlockRow, BlockSpec, BoundRow, JointLink, LockRow, Member, NodeRow, NodeSpec, blocks_max, nodes_max,
+};
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::event::{BodyNews, EventRow, Tenant, Visit};
 use crate::joint::JointRow;
 use crate::lanes::Words;
 use crate::math::{Aabb, Rotation, Vec3};
+use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::layout::{Group, Plan, links_max, mover_rows_max, seats_max};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::Seat;
@@ -235,8 +238,12 @@ pub(crate) struct CacheHeader {
     pub moving_listed: u32,
     /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
     pub queried: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Number of joints that are arranged, plus 1; 0 when there is no arrangement.
+    pub arranged: u32,
+    /// Of these, joints that are links of the ordering.
+    pub loose_joints: u32,
+    /// Rows of articulations.
+    pub articulations: u32,
 }
 
 region! {
@@ -253,6 +260,14 @@ region! {
         ordering: u32 = cells::upkeep_words(c.bodies as usize, links_max(c)),
         /// Slots of the joints among the links of the last update of the ordering.
         ordered_joints: u32 = c.joints as usize,
+        /// The joints that are arranged: their links between slots, from A to B, in the order of
+        /// the joints' slots.
+        arranged_links: Link = c.joints as usize,
+        /// Place of each of them: see `pipeline/articulations.rs`, as for the rest.
+        joint_order: u32 = c.joints as usize,
+        articulations: ArticulationRow = c.joints as usize / 2,
+        nodes: NodeSpec = nodes_max(c.joints as usize),
+        blocks: BlockSpec = blocks_max(c.joints as usize),
         /// The links that are laid out.
         links: Link = links_max(c),
         plan: Plan = 1,
@@ -263,7 +278,7 @@ region! {
         lane_seats: [u32; 16] = c.contacts as usize,
         /// Where a contact was placed: row * 8 + lane.
         contact_places: u32 = c.contacts as usize,
-        /// The same three for joints, by their place among the links that are joints.
+        /// The same three for joints, by their place.
         lane_joints: [u32; 8] = c.joints as usize,
         joint_seats: [u32; 16] = c.joints as usize,
         joint_places: u32 = c.joints as usize,
@@ -421,8 +436,16 @@ region! {
         links: Link = links_max(c),
         /// The same links between slots of bodies.
         slot_links: Link = links_max(c),
-        /// Slots of the joints that are links.
+        /// Slots of the joints that hold something, by place.
         joint_slots: u32 = c.joints as usize,
+        /// The same in ascending order, and their links between slots, from A to B.
+        held_slots: u32 = c.joints as usize,
+        held_links: Link = c.joints as usize,
+        /// For arranging joints; of no length without any.
+        joint_sets: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        joint_set_sizes: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        joint_members: Member = c.joints as usize,
+        joint_runs: [u32; 2] = c.joints as usize / 2,
         phases: u8 = links_max(c),
         order: u32 = links_max(c),
         blocks: Block = links_max(c),
@@ -430,6 +453,9 @@ region! {
         joint_links: JointLink = c.joints as usize,
         lock_rows: LockRow = 6 * c.joints as usize,
         bound_rows: BoundRow = JOINT_BOUNDS * c.joints as usize,
+        /// Nodes and blocks of the articulations' matrices.
+        node_rows: NodeRow = nodes_max(c.joints as usize),
+        block_rows: BlockRow = blocks_max(c.joints as usize),
         joint_keys: u64 = c.joints as usize,
         /// First lock and first bound of each row of joints.
         joint_firsts: [u32; 2] = c.joints as usize,

@@ -8,6 +8,7 @@ use crate::executor::{Executor, Stage};
 use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
 use crate::math::{PI, Vec3};
+use crate::pipeline::articulations::Patterns;
 use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::MoverRow;
@@ -156,6 +157,8 @@ pub(crate) fn fill<E: Executor>(
         links: &mut scratch.joint_links[..plan.joints],
         locks: &mut scratch.lock_rows[..plan.locks],
         bounds: &mut scratch.bound_rows[..plan.bounds],
+        nodes: &mut scratch.node_rows[..plan.nodes],
+        blocks: &mut scratch.block_rows[..plan.matrix_blocks],
     };
     let lanes = Lanes {
         seat_bodies: cache.seat_bodies,
@@ -163,6 +166,7 @@ pub(crate) fn fill<E: Executor>(
         contact_seats: cache.lane_seats,
         joints: cache.lane_joints,
         joint_seats: cache.joint_seats,
+        patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
     };
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     for groups in groups.chunks_mut(share) {
@@ -189,6 +193,7 @@ struct Lanes<'a> {
     contact_seats: &'a [[u32; 2 * LANES]],
     joints: &'a [[u32; LANES]],
     joint_seats: &'a [[u32; 2 * LANES]],
+    patterns: Patterns<'a>,
 }
 
 /// Groups in a row, of one or more phases, and what is theirs.
@@ -214,9 +219,11 @@ impl Task<'_> {
             let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
             let mut joints = self.joints.take(group);
+            let mut left = joints.reborrow();
             for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
-                joints::fill(scene, &mut joints, (&lanes.joints[row], &lanes.joint_seats[row]));
+                joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
             }
+            lanes.patterns.of(group).each(joints, |articulation| articulation.factor());
             let mut own_points = take(&mut points, group.points as usize);
             group.bounces = 0;
             let first = group.first_row as usize;

@@ -384,7 +384,7 @@ pub(crate) fn fall(
 
 /// Unites the bodies of the step's links; bodies that a moving kinematic one touches are restless.
 fn unite_active(state: &State<'_>, scratch: &mut Scratch<'_>, links: Links, driven: bool) {
-    let count = links.contacts + links.joints;
+    let count = links.contacts + links.held();
     for (i, link) in scratch.slot_links[..count].iter().enumerate() {
         if link.b != IMMOVABLE {
             unite(scratch.islands, link.a, link.b);
