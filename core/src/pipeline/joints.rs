@@ -360,7 +360,7 @@ pub(crate) fn store<E: Executor>(
     drop(tasks);
     counts.broken += broken;
     if broken > 0 {
-        part_broken(state, &scratch.joint_slots[..joints], counts);
+        part_broken(state, &scratch.held_slots[..joints], counts);
     }
 }
 
