@@ -169,8 +169,9 @@ fn compare(seed: u64, capacities: Capacities) -> [usize; 9] {
             continue;
         }
         let mut after = Facts::of(&world, &wishes.shapes);
-        // The contacts of a body that was quarantined in this step are hidden, and end in the next one.
-        let stopped = |pair: &&Pair| pair.1.iter().any(|body| told.quarantined.contains(body));
+        // In the step in which a body is quarantined, its contacts, and those of bodies that were before, are hidden.
+        let stops = !told.quarantined.is_empty();
+        let stopped = |pair: &&Pair| stops && pair.1.iter().any(|body| after.quarantined.contains(body));
         let kept = before.touching.iter().filter(|pair| !told.ended.contains(pair));
         let hidden: Vec<Pair> = kept.chain(&told.began).filter(stopped).copied().collect();
         after.touching.extend(hidden);
