@@ -131,6 +131,9 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let joints = (&plan, links.held(), settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
     finish::run(state, (cache, scratch), (&plan, settings), (&mut crew, &mut counts));
+    if counts.quarantined > 0 {
+        finish::move_quarantined(state, cache, scratch);
+    }
     sensors::run(state, (assets, moved), (cache, scratch), (&mut crew, &mut counts));
     if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
         sleep::fall(state, (cache, scratch), (links, steps), &mut counts);

@@ -9,6 +9,7 @@ use crate::event::BodyNews;
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
+use crate::pipeline::broadphase::MOVED;
 use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
 use crate::pipeline::layout::Plan;
@@ -247,6 +248,20 @@ fn quarantine(motion: &mut Motion, row: &mut BodyRow) {
     motion.linear = Vec3::ZERO;
     motion.angular = Vec3::ZERO;
     row.flags = (row.flags & !KIND_MASK) | BodyKind::Static as u32 | QUARANTINED;
+}
+
+/// Shapes of quarantined bodies are among those that rest from now on.
+pub(crate) fn move_quarantined(state: &mut State<'_>, cache: &mut Cache<'_>, scratch: &mut Scratch<'_>) {
+    state.header[0].static_version += 1;
+    (cache.header[0].moving_fits, cache.header[0].moving_listed) = (0, 0);
+    for slot in 0..state.header[0].shapes.high as usize {
+        let shape = &state.shapes[slot];
+        if crate::pool::is_used(state.shape_used, slot as u32)
+            && state.bodies[shape.body as usize].has(body::QUARANTINED)
+        {
+            scratch.is_moved[slot] |= MOVED;
+        }
+    }
 }
 
 /// The shapes' pairs are looked for again, now that their body is static; their contacts go with the pairs.

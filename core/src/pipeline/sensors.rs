@@ -13,7 +13,6 @@ use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, query_trees};
 use crate::pool::is_used;
 use crate::query::Queries;
-use crate::shape::FRESH;
 use crate::state::{AssetTables, Cache, Scratch, State, VISITS_DROPPED};
 use bytemuck::Zeroable;
 
@@ -31,10 +30,11 @@ pub(crate) fn run<E: Executor>(
     if state.header[0].sensors == 0 && state.header[0].visits == 0 {
         return;
     }
-    query_trees::refresh(state, assets, cache, scratch);
+    query_trees::refresh_in_tasks(state, assets, (cache, scratch), crew);
     let sensors = list(state, scratch);
     let all = state.header[0].event_marks & VISITS_DROPPED != 0;
-    let changed = scratch.moved[..moved].iter().any(|&slot| rests(state, slot));
+    let moved = &scratch.moved[..moved];
+    let changed = counts.quarantined > 0 || moved.iter().any(|&slot| rests(state, slot));
     let looks = Looks { marks: scratch.is_moved, all, changed };
     let queries = view(state, assets, cache);
     let slots = &scratch.sensor_slots[..sensors];
@@ -100,11 +100,9 @@ struct Looks<'a> {
 }
 
 impl Looks<'_> {
-    /// True when a shape is where it was, and what it was, at the end of the last step. One that was
-    /// quarantined in this one is fresh.
+    /// True when a shape is where it was, and what it was, at the end of the last step.
     fn stays(&self, state: &State<'_>, slot: u32) -> bool {
-        let index = slot as usize;
-        rests(state, slot) && self.marks[index] & MOVED == 0 && state.shapes[index].flags & FRESH == 0
+        rests(state, slot) && self.marks[slot as usize] & MOVED == 0
     }
 
     /// True when a visit goes on without a look.
@@ -228,19 +226,25 @@ fn tell_changes(state: &mut State<'_>, now: &[Visit], counts: &mut Counts) {
     if !are_told(state, EventKinds::SENSORS) {
         return;
     }
-    let is_in = |visits: &[Visit], visit: &Visit| {
-        visits.binary_search_by_key(&visit.key(), Visit::key).is_ok_and(|place| visits[place] == *visit)
-    };
-    let before = state.header[0].visits as usize;
+    let (before, mut place) = (state.header[0].visits as usize, 0);
     for i in 0..before {
         let visit = state.visits[i];
-        if !is_in(now, &visit) {
+        if !is_next(now, &mut place, &visit) {
             tell(state, counts, EventKind::SensorEnded(visit));
         }
     }
+    let mut place = 0;
     for visit in now {
-        if !is_in(&state.visits[..before], visit) {
+        if !is_next(&state.visits[..before], &mut place, visit) {
             tell(state, counts, EventKind::SensorBegan(*visit));
         }
     }
+}
+
+/// True when a visit is among sorted ones, looked for from a place on that moves up to it.
+fn is_next(visits: &[Visit], place: &mut usize, visit: &Visit) -> bool {
+    while visits.get(*place).is_some_and(|other| other.key() < visit.key()) {
+        *place += 1;
+    }
+    visits.get(*place) == Some(visit)
 }

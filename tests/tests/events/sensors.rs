@@ -293,3 +293,31 @@ fn what_finds_no_room_are_the_last_ones_and_counted() {
         assert!(cut > 5, "room for {room}: {cut}");
     }
 }
+
+#[test]
+fn a_body_that_is_quarantined_stays_where_it_is_seen() {
+    let mut world = world_with(room(4));
+    world
+        .set_settings(&Settings { sleep_time: 0.1, gravity: Vec3::ZERO, ..Settings::default() })
+        .expect("valid");
+    let edge = Position { sector: [1 << 29, 0, 0], offset: Vec3::ZERO };
+    let at = |kind| BodyDef { position: edge, kind, ..BodyDef::default() };
+    let (_, sensor) =
+        add(&mut world, &at(BodyKind::Static), &ShapeDef::sensor(Geometry::Sphere { radius: 60.0 }));
+    let all =
+        ShapeDef { sensor: Some(BodyKinds::ALL), ..ShapeDef::sensor(Geometry::Sphere { radius: 60.0 }) };
+    let (_, every) = add(&mut world, &at(BodyKind::Static), &all);
+    let ball = ShapeDef::new(Geometry::Sphere { radius: 0.5 });
+    let (body, shape) = add(&mut world, &at(BodyKind::Dynamic), &ball);
+    run(&mut world, 20);
+    assert_eq!(world.is_asleep(body), Ok(true));
+    assert_eq!((visitors(&world, sensor), visitors(&world, every)), (vec![shape], vec![shape]));
+    // It wakes and leaves the world in the same step: from now on it is a static body, where it was.
+    world.set_linear_velocity(body, Vec3::X * 6000.0).expect("dynamic");
+    for _ in 0..3 {
+        world.step(&mut Serial);
+        assert_eq!(world.is_quarantined(body), Ok(true));
+        assert_eq!((visitors(&world, sensor), visitors(&world, every)), (vec![], vec![shape]));
+        assert!(query_finds(&mut world, [every, shape], Vec3::ZERO));
+    }
+}
