@@ -144,7 +144,7 @@ fn store_motions<E: Executor>(
         for (i, (motion, row)) in task.motions.iter_mut().zip(task.rows.iter_mut()).enumerate() {
             let slot = task.first + i;
             if crate::pool::is_used(used, slot as u32) {
-                let before = (motion.center, motion.rotation);
+                let before = notes.then_some((motion.center, motion.rotation));
                 match row.kind() {
                     BodyKind::Static => {}
                     BodyKind::Kinematic => move_kinematic(motion, row, dt),
@@ -157,7 +157,7 @@ fn store_motions<E: Executor>(
                         }
                     }
                 }
-                if notes && before != (motion.center, motion.rotation) {
+                if before.is_some_and(|before| before != (motion.center, motion.rotation)) {
                     task.moved[i / 64].moved |= 1 << (i % 64);
                 }
             }

@@ -59,6 +59,7 @@ fn collide_pairs<E: Executor>(
         dt,
         memos_fit: cache.header[0].memos_fit != 0,
         marks: scratch.is_moved,
+        any_sleeps: header.asleep > 0,
     };
     let pairs = &state.pairs[..pair_count];
     let half = cache.header[0].memo_half as usize * (cache.memos.len() / 2);
@@ -111,6 +112,8 @@ struct Look<'a> {
     memos_fit: bool,
     /// Which shapes sleep; see `broadphase.rs`.
     marks: &'a [u8],
+    /// Whether any does.
+    any_sleeps: bool,
 }
 
 impl Look<'_> {
@@ -121,7 +124,7 @@ impl Look<'_> {
     /// False when a shape of the pair sleeps: had it points with something that pushes, it would have woken.
     #[inline(always)]
     fn is_awake(&self, pair: Pair) -> bool {
-        (self.marks[pair.a as usize] | self.marks[pair.b as usize]) & SLEEPS == 0
+        !self.any_sleeps || (self.marks[pair.a as usize] | self.marks[pair.b as usize]) & SLEEPS == 0
     }
 
     /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.

@@ -44,7 +44,6 @@ pub(crate) fn fill(
     row.surfaces = u32::from(sides.surfaces != 0);
     row.turns = 0;
     row.hits = u32::from(scene.hits);
-    (row.approach, row.total) = (Lane::ZERO, Lane::ZERO);
     row.slide = LaneVec::ZERO;
     fill_points(scene, &sides, row, own);
 }
@@ -58,9 +57,6 @@ fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mu
             (point.bounce, point.surface) = (Lane::ZERO, Lane::ZERO);
         }
         let (arm_a, arm_b) = sides.write_point(&found, point, i);
-        if scene.hits {
-            sides.measure_approach(&found, link, (i, arm_a, arm_b));
-        }
         patch.places[i] = arm_a;
         patch.sum = patch.sum + arm_a;
         patch.sum_b = patch.sum_b + arm_b;
@@ -74,6 +70,9 @@ fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mu
     link.press_mass = press_mass(link.count, link.inertia);
     link.soft_press_mass = press_mass(link.count, link.inertia + soft);
     sides.write_friction(&found, link, &patch);
+    if scene.hits {
+        sides.measure_approach(&found, link, &patch);
+    }
     if link.bounces != 0 {
         sides.write_push(scene, link);
     }
@@ -340,17 +339,16 @@ impl Sides {
         (place, arm_b)
     }
 
-    /// How fast point `i` approaches.
-    fn measure_approach(
-        &self,
-        found: &Placed,
-        row: &mut LinkRow,
-        (i, arm_a, arm_b): (usize, LaneVec, LaneVec),
-    ) {
-        let at_a = self.a.linear + self.a.angular.cross(arm_a);
-        let at_b = self.b.linear + self.b.angular.cross(arm_b);
-        let live = found.count.greater(Lane::splat(i as f32));
-        row.approach = live.keep(found.normal.dot(at_a - at_b)).greatest(row.approach);
+    /// How fast the points approach, as far as a hit is looked for.
+    #[inline(never)]
+    fn measure_approach(&self, found: &Placed, row: &mut LinkRow, patch: &Patch) {
+        (row.approach, row.total) = (Lane::ZERO, Lane::ZERO);
+        for (i, &arm_a) in patch.places[..patch.points].iter().enumerate() {
+            let at_a = self.a.linear + self.a.angular.cross(arm_a);
+            let at_b = self.b.linear + self.b.angular.cross(arm_a - found.centers);
+            let live = found.count.greater(Lane::splat(i as f32));
+            row.approach = live.keep(found.normal.dot(at_a - at_b)).greatest(row.approach);
+        }
     }
 
     /// One patch for the manifold: two tangents and the twist at the points' middle.
