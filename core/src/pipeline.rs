@@ -24,6 +24,7 @@ pub(crate) mod seat;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod solver;
+pub(crate) mod stiffening;
 pub(crate) mod tasks;
 
 use crate::cells::{IMMOVABLE, Scheduler};

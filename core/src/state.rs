@@ -386,14 +386,20 @@ pub(crate) struct Active {
     pub root: [f32; 6],
     /// Slot of the body.
     pub body: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// What the principal moments of inertia gain in this step, kg m2: see `pipeline/stiffening.rs`.
+    pub stiffening: Vec3,
     /// Velocity gained from gravity and force in a substep, m/s.
     pub push: Vec3,
     /// Whitened angular velocity at the start of the step.
     pub whitened: Vec3,
-    /// Zero.
-    pub reserved_2: [u32; 2],
+}
+
+impl Active {
+    /// Moments of inertia in this step, kg m2.
+    #[inline]
+    pub fn inertia(&self, row: &BodyRow) -> Vec3 {
+        row.inertia + self.stiffening
+    }
 }
 
 region! {

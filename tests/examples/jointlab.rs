@@ -132,6 +132,95 @@ fn chain(links: u32, bob: f32, n: u32, sw: u32, rs: u32) {
     );
 }
 
+fn swing(links: u32, bob: f32, n: u32, closed: bool) {
+    let mut w = world_with(caps(links + 4, links + 4));
+    w.set_settings(&Settings { substeps: n, ..w.settings() }).unwrap();
+    let g = w.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO)).unwrap();
+    let mut prev = g;
+    let mut pf = Vec3::ZERO;
+    let mut js = vec![];
+    let mut hs = vec![];
+    for i in 0..links {
+        let mid = i + 1 == links || (closed && i == links / 2);
+        let m = if mid { ball_mass(bob, 0.5) } else { ball_mass(1.0, 0.3) };
+        let b = dynamic(&mut w, Vec3::new(i as f32 + 0.5, 0.0, 0.0), Rotation::IDENTITY, m);
+        js.push(w.create_joint(&JointDef::ball([prev, b], [at(pf), at(Vec3::new(-0.5, 0.0, 0.0))])).unwrap());
+        prev = b;
+        pf = Vec3::new(0.5, 0.0, 0.0);
+        hs.push((b, if mid { bob } else { 1.0 }, if mid { 0.5 } else { 0.3 }));
+    }
+    if closed {
+        js.push(
+            w.create_joint(&JointDef::ball([prev, g], [at(pf), at(Vec3::new(links as f32 * 0.8, 0.0, 0.0))]))
+                .unwrap(),
+        );
+    }
+    let energy = |w: &OwnedWorld| {
+        hs.iter()
+            .map(|&(h, m, r)| {
+                let (v, o) = (w.linear_velocity(h).unwrap(), w.angular_velocity(h).unwrap());
+                let z = w.center(h).unwrap().to_f64()[2];
+                m as f64 * (9.81 * z + 0.5 * v.dot(v) as f64 + 0.5 * 0.4 * (r * r) as f64 * o.dot(o) as f64)
+            })
+            .sum::<f64>()
+    };
+    let (mut gap, mut emax, mut emin) = (0.0f32, 0.0f64, 0.0f64);
+    let mut late = 0.0f32;
+    for s in 0..1200 {
+        w.step(&mut Serial);
+        for &j in &js {
+            let c = w.joint_coordinates(j).unwrap();
+            let d = (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).sqrt();
+            gap = gap.max(d);
+            if s > 900 {
+                late = late.max(d);
+            }
+        }
+        let e = energy(&w);
+        if std::env::var("TR").is_ok() {
+            let om = hs
+                .iter()
+                .map(|&(h, _, _)| {
+                    let o = w.angular_velocity(h).unwrap();
+                    o.dot(o).sqrt()
+                })
+                .enumerate()
+                .fold((0, 0.0f32), |a, b| if b.1 > a.1 { b } else { a });
+            let vm = hs
+                .iter()
+                .map(|&(h, _, _)| {
+                    let o = w.linear_velocity(h).unwrap();
+                    o.dot(o).sqrt()
+                })
+                .enumerate()
+                .fold((0, 0.0f32), |a, b| if b.1 > a.1 { b } else { a });
+            let f = js
+                .iter()
+                .map(|&j| {
+                    let o = w.joint_force(j).unwrap();
+                    o.dot(o).sqrt()
+                })
+                .enumerate()
+                .fold((0, 0.0f32), |a, b| if b.1 > a.1 { b } else { a });
+            let d = js
+                .iter()
+                .map(|&j| {
+                    let c = w.joint_coordinates(j).unwrap();
+                    (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).sqrt()
+                })
+                .enumerate()
+                .fold((0, 0.0f32), |a, b| if b.1 > a.1 { b } else { a });
+            println!("{s} E {e:.1} spin {om:?} speed {vm:?} force {f:?} gap {d:?}");
+        }
+        emax = emax.max(e);
+        emin = emin.min(e);
+    }
+    println!(
+        "swing {links} bob {bob} N={n} closed {closed}: gap max {gap:.2e} late {late:.2e}, energy {emin:.1}..{emax:.1} of {:.1}",
+        9.81 * bob * links as f32
+    );
+}
+
 fn fourbar(n: u32, sw: u32, rs: u32) {
     // crank 0.4, coupler 1, rocker 0.8, ground 1; Grashof: s+l=0.4+1<=... ok
     let mut w = world_with(caps(8, 8));
@@ -292,6 +381,18 @@ fn main() {
             chain(20, 1000.0, n, s, r);
             chain(50, 1000.0, n, s, r);
             chain(50, 1.0, n, s, r);
+        }
+    }
+    if has("swing") {
+        if std::env::var("TR").is_ok() {
+            swing(50, 1.0, 8, false);
+            return;
+        }
+        for n in [4, 8] {
+            for (l, b) in [(10, 1.0), (50, 1.0), (50, 1e3), (20, 1e4), (20, 1e6), (200, 1.0), (200, 1000.0)] {
+                swing(l, b, n, false);
+                swing(l, b, n, true);
+            }
         }
     }
     if has("four") {

@@ -15,6 +15,7 @@ use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take};
+use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{events, joints};
 use crate::shape::ShapeRow;
@@ -102,10 +103,11 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
+            active.stiffening = stiffening::stiffening(state, active.body, substep);
             active.linear = motion.linear;
-            active.angular = motion.angular;
+            active.angular = stiffening::eased(active, row, (principal, motion.angular));
             (active.root, active.whitened) =
-                root_and_whitened(principal, row.inertia, locks >> 3, motion.angular);
+                root_and_whitened(principal, active.inertia(row), locks >> 3, active.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;

@@ -104,9 +104,9 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: u
                 (&mut link.now_b, &mut link.back_b, &mut link.top_b, &mut link.far_b)
             };
             let principal = principal_rotation(&scene.motions[slot], row);
-            far.set(lane, principal.after(split_frame(row.inertia).0).rotate(Vec3::Z));
+            far.set(lane, principal.after(split_frame(body.inertia(row)).0).rotate(Vec3::Z));
             set_root(now, &body.root, lane);
-            set_root(back, &along_axes(&principal.matrix(), square_roots(row.inertia)), lane);
+            set_root(back, &along_axes(&principal.matrix(), square_roots(body.inertia(row))), lane);
             top.set(lane, 1.0);
             link.tops = 1;
         }

@@ -1,13 +1,16 @@
 //! Visits of articulations: the bounds of all their joints one by one, then all locks at once.
 
 use super::super::contact::{Pass, Sweep};
-use super::super::velocities::Velocities;
+use super::super::velocities::{Velocities, root_times};
 use super::elimination::{JOINTS_MAX, NONE, NodeSpec};
 use super::factor::Matrix;
-use super::solve::{Push, curvature, take_along};
+use super::solve::{NUDGE_MAX, Push, curvature, take_along};
 use super::{BoundRow, JointLink, LockRow, follow};
-use crate::lanes::Lane;
+use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
+
+/// Fastest turn by a nudge, rad/s.
+const NUDGE_SPIN_MAX: f32 = 50.0;
 
 /// Eight alike articulations: a link for each joint, in the order of the joints' numbers.
 pub(crate) struct Articulation<'a> {
@@ -133,8 +136,35 @@ impl Articulation<'_> {
         }
     }
 
+    /// The share of the nudges that is given, so that no body is moved faster than they may: joints that nearly
+    /// contradict each other ask for more than they could ever get.
+    fn share(&self) -> Lane {
+        let one = Lane::splat(1.0);
+        let mut most = one;
+        let bodies = self.matrix.pattern.nodes.iter().zip(&*self.matrix.nodes);
+        for (spec, node) in bodies.filter(|(spec, _)| spec.joint == NONE) {
+            let link = &self.links[spec.end as usize / 2];
+            let (scale, root, now, top) = if spec.end % 2 == 0 {
+                (link.scale_a, &link.root_a, &link.now_a, link.top_a)
+            } else {
+                (link.scale_b, &link.root_b, &link.now_b, link.top_b)
+            };
+            let [x, y, z, rest @ ..] = node.side;
+            let speed = LaneVec::new(x, y, z).each_times(scale).times(Lane::splat(1.0 / NUDGE_MAX));
+            let whitened = LaneVec::new(rest[0], rest[1], rest[2]);
+            let mut spin = root_times(root, whitened);
+            if link.tops != 0 {
+                spin = top.greater(Lane::ZERO).select_vec(root_times(now, whitened), spin);
+            }
+            let spin = spin.times(Lane::splat(1.0 / NUDGE_SPIN_MAX));
+            most = most.greatest(speed.dot(speed)).greatest(spin.dot(spin));
+        }
+        one / most.sqrt()
+    }
+
     /// Applies the impulses that the solution says.
     fn answer(&mut self, seats: &mut [Seat], ask: Ask) {
+        let share = if ask == Ask::Nudge { self.share() } else { Lane::ZERO };
         let mut locks = &mut *self.locks;
         let (specs, nodes) = (self.matrix.pattern.nodes, &*self.matrix.nodes);
         for (link, place) in self.links.iter_mut().zip(joint_places(specs)) {
@@ -146,7 +176,7 @@ impl Articulation<'_> {
             if ask == Ask::Nudge {
                 let mut nudges = u.gather_nudges(ends, seats);
                 for (row, x) in own.iter().zip(answers) {
-                    row.apply_nudge(&mut nudges, x);
+                    row.apply_nudge(&mut nudges, x * share);
                 }
                 nudges.scatter_nudges(ends, seats);
                 continue;

@@ -43,6 +43,8 @@ pub(crate) struct Member {
 pub(crate) struct NodeSpec {
     /// Number of the joint, or [`NONE`] for a body.
     pub joint: u32,
+    /// Of a body: number of a joint that has it, times 2, plus 1 for the end B.
+    pub end: u32,
     /// Numbers that it has.
     pub size: u32,
     /// Its blocks, from the articulation's first.
@@ -143,6 +145,8 @@ impl Elimination {
             let joint = node.checked_sub(FIRST_JOINT);
             *spec = NodeSpec {
                 joint: joint.map_or(NONE, |joint| joint as u32),
+                end: members.iter().flat_map(|m| m.bodies).position(|b| b as usize == node).unwrap_or(0)
+                    as u32,
                 size: joint.map_or(6, |joint| Signature(members[joint].signature).lock_rows() as u32),
                 first_block: first as u32,
                 blocks: (count - first) as u32,

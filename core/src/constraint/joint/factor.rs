@@ -14,6 +14,9 @@ use bytemuck::{Pod, Zeroable};
 /// Pivots that say what others say already come to 1e-9 of it, others to 1e-5 and more.
 const PIVOT_SHARE: f32 = 1.0e-6;
 
+/// Share of what bodies give to a row that is added to its pivot.
+const DAMPING: f32 = 1.0e-5;
+
 /// Numbers of a node at most.
 const SIZE: usize = 6;
 
@@ -26,6 +29,8 @@ pub(crate) struct NodeRow {
     /// Right side of the system; then the answer. While it is factored: the sizes of what has met in the
     /// diagonal, each times the share of its own digits that it lost before; a pivot is told from rounding by it.
     pub side: [Lane; SIZE],
+    /// The right side as it was. While it is factored: what bodies have added to the diagonal.
+    pub asked: [Lane; SIZE],
 }
 
 /// A block of L of each of eight articulations, by rows of six.
@@ -81,12 +86,11 @@ impl Matrix<'_> {
             *node = NodeRow::zeroed();
             if spec.joint == NONE {
                 (0..SIZE).for_each(|r| node.diagonal[at(r, r)] = one);
-                node.side = [one; SIZE];
                 continue;
             }
             for (r, row) in rows(spec.joint as usize).iter().enumerate() {
                 node.diagonal[at(r, r)] = -row.give;
-                node.side[r] = row.give;
+                (node.side[r], node.asked[r]) = (row.give, row.give);
             }
         }
         for spec in self.pattern.nodes {
@@ -110,7 +114,7 @@ impl Matrix<'_> {
     /// Takes from what comes later its share of a column: the block `p` with each one from there to `end`.
     fn update(&mut self, (p, end): (usize, usize), node: &NodeRow, spec: &NodeSpec) {
         let (specs, nodes) = (self.pattern.blocks, self.pattern.nodes);
-        let size = spec.size as usize;
+        let (size, is_body) = (spec.size as usize, spec.joint == NONE);
         let place = specs[p].row as usize;
         let rows = nodes[place].size as usize;
         let divided = self.blocks[p];
@@ -121,8 +125,12 @@ impl Matrix<'_> {
             for c in 0..=r {
                 let change = divided.row_times(r, &scaled, c, size);
                 to.diagonal[at(r, c)] = to.diagonal[at(r, c)] - change;
+                if is_body && r == c {
+                    to.asked[r] = to.asked[r] + change;
+                    to.side[r] = to.side[r] + change;
+                }
             }
-            for k in 0..size {
+            for k in 0..if is_body { 0 } else { size } {
                 let share = scaled.values[r * SIZE + k];
                 to.side[r] = to.side[r] + share * share * node.side[k];
             }
@@ -210,7 +218,9 @@ impl NodeRow {
             }
             let own = self.side[r];
             let stands = if is_joint {
-                (-pivot).greater(own * share_least).and(own.greater(least))
+                let stands = (-pivot).greater(own * share_least).and(own.greater(least));
+                pivot = pivot - self.asked[r] * Lane::splat(DAMPING);
+                stands
             } else {
                 pivot.greater(Lane::splat(0.5))
             };

@@ -11,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 pub(super) const PIVOT_SHARE: f32 = 1.0e-5;
 
 /// Fastest way back of a rigid lock, m/s or rad/s: joints that contradict each other must not fling what they hold.
-const NUDGE_MAX: f32 = 10.0;
+pub(super) const NUDGE_MAX: f32 = 10.0;
 
 /// Applies the impulses of the step before.
 pub(super) fn warm<const N: usize>(u: &mut Velocities, locks: &[LockRow; N], bounds: &[BoundRow]) {
