@@ -169,7 +169,7 @@ fn compare(seed: u64, capacities: Capacities) -> [usize; 9] {
             continue;
         }
         let mut after = Facts::of(&world, &wishes.shapes);
-        // In the step in which a body is quarantined, its contacts, and those of bodies that were before, are hidden.
+        // In the step in which a body is quarantined its contacts are hidden, and those of others that were.
         let stops = !told.quarantined.is_empty();
         let stopped = |pair: &&Pair| stops && pair.1.iter().any(|body| after.quarantined.contains(body));
         let kept = before.touching.iter().filter(|pair| !told.ended.contains(pair));
