@@ -1,6 +1,7 @@
 //! Settings of a world, and the named constants behind its defaults.
 
 use crate::error::Error;
+use crate::event::EventKinds;
 use crate::math::Vec3;
 use crate::validate;
 use bytemuck::{Pod, Zeroable};
@@ -41,6 +42,8 @@ pub const LINEAR_SPEED_MAX: f32 = 1.0e6;
 pub const TURN_MAX: f32 = 76.8;
 /// Speed below which a body is quiet, m/s: a few times what resting contacts jitter.
 pub const SLEEP_SPEED: f32 = 0.03;
+/// Approach from which on a contact is a hit, metres per second.
+pub const HIT_SPEED: f32 = 1.0;
 /// Target number of links of a block. With fewer the last phases percolate, with more there are fewer blocks
 /// than lanes.
 pub const BLOCK_LINKS: u32 = 64;
@@ -84,6 +87,12 @@ pub struct Settings {
     /// do not pass through it: dynamic bodies at static and kinematic ones, and those with
     /// [`BodyDef::bullet`](crate::body::BodyDef::bullet) at dynamic ones too. What is slow costs nothing.
     pub continuous: bool,
+    /// Which events are told, as far as there is room for them; see [`EventKind`](crate::EventKind).
+    pub events: EventKinds,
+    /// Approach speed from which on a contact is a hit, m/s, `0..=1e6`.
+    pub hit_speed: f32,
+    /// Whether steps note which bodies moved: see [`World::moved_bodies`](crate::World::moved_bodies).
+    pub moved_list: bool,
 }
 
 /// How a contact removes overlap.
@@ -113,6 +122,9 @@ impl Default for Settings {
             sleep_time: 0.0,
             sleep_speed: SLEEP_SPEED,
             continuous: true,
+            events: EventKinds::ALL,
+            hit_speed: HIT_SPEED,
+            moved_list: false,
         }
     }
 }
@@ -132,7 +144,11 @@ impl Settings {
         validate::in_range("restitution_threshold", self.restitution_threshold, 0.0, 1.0e4)?;
         validate::count_in_range("block_links", self.block_links, 8, 4096)?;
         validate::in_range("sleep_time", self.sleep_time, 0.0, 3600.0)?;
-        validate::in_range("sleep_speed", self.sleep_speed, 0.0, 1.0e4)
+        validate::in_range("sleep_speed", self.sleep_speed, 0.0, 1.0e4)?;
+        if !EventKinds::ALL.has(self.events) {
+            return Err(Error::OutOfRange { name: "events" });
+        }
+        validate::in_range("hit_speed", self.hit_speed, 0.0, 1.0e6)
     }
 
     /// Quiet steps after which a body may sleep; `None` for never.
@@ -171,6 +187,9 @@ pub(crate) struct SettingsRow {
     block_links: u32,
     sleep_time: f32,
     sleep_speed: f32,
+    events: u32,
+    hit_speed: f32,
+    moved_list: u32,
 }
 
 impl From<&Settings> for SettingsRow {
@@ -190,11 +209,24 @@ impl From<&Settings> for SettingsRow {
             block_links: s.block_links,
             sleep_time: s.sleep_time,
             sleep_speed: s.sleep_speed,
+            events: s.events.0,
+            hit_speed: s.hit_speed,
+            moved_list: u32::from(s.moved_list),
         }
     }
 }
 
 impl SettingsRow {
+    /// True when all of these events are told.
+    pub(crate) fn tells(&self, kinds: EventKinds) -> bool {
+        EventKinds(self.events).has(kinds)
+    }
+
+    /// True when steps note which bodies moved.
+    pub(crate) fn notes_moved(&self) -> bool {
+        self.moved_list != 0
+    }
+
     /// The settings; `None` when the row was not made by [`SettingsRow::from`].
     pub(crate) fn read(&self) -> Option<Settings> {
         let contact_model = match self.modes & !NOT_CONTINUOUS {
@@ -202,6 +234,9 @@ impl SettingsRow {
             1 => ContactModel::Rigid,
             _ => return None,
         };
+        if self.moved_list > 1 {
+            return None;
+        }
         let settings = Settings {
             dt: self.dt,
             gravity: self.gravity,
@@ -218,6 +253,9 @@ impl SettingsRow {
             sleep_time: self.sleep_time,
             sleep_speed: self.sleep_speed,
             continuous: self.modes & NOT_CONTINUOUS == 0,
+            events: EventKinds(self.events),
+            hit_speed: self.hit_speed,
+            moved_list: self.moved_list != 0,
         };
         settings.check().is_ok().then_some(settings)
     }

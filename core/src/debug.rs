@@ -106,6 +106,8 @@ pub mod colors {
     pub const DYNAMIC: Color = 0xf0a030ff;
     /// Shapes of bodies that were quarantined: magenta.
     pub const QUARANTINED: Color = 0xff00ffff;
+    /// Sensors, of whatever body: green.
+    pub const SENSOR: Color = 0x40d060ff;
     /// The broadphase's boxes: dim green.
     pub const FAT_BOX: Color = 0x40805080;
     /// Points of contact that are apart: white.

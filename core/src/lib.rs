@@ -18,6 +18,7 @@ mod arena;
 mod body;
 mod constraint;
 mod error;
+mod event;
 mod handle;
 pub mod joint;
 mod lanes;
@@ -37,6 +38,9 @@ pub use clock::Clock;
 pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
 pub use debug::{DebugDraw, DebugLayers, DebugOptions};
 pub use error::{Error, SnapshotError};
+pub use event::{
+    ContactHit, Event, EventKind, EventKinds, JointBreak, MovedBody, ShapeEvents, Touching, Visit,
+};
 pub use executor::{Executor, Serial, Stage};
 pub use handle::{
     BodyHandle, CompoundHandle, HeightFieldHandle, HullHandle, JointHandle, MeshHandle, ShapeHandle,

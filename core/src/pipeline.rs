@@ -11,6 +11,7 @@ pub(crate) mod assembly;
 pub(crate) mod broadphase;
 pub(crate) mod contacts;
 pub(crate) mod continuous;
+pub(crate) mod events;
 pub(crate) mod finish;
 pub(crate) mod integration;
 pub(crate) mod joints;
@@ -23,6 +24,7 @@ pub(crate) mod query_trees;
 pub(crate) mod rows;
 pub(crate) mod rules;
 pub(crate) mod seat;
+pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod solver;
 pub(crate) mod stiffening;
@@ -59,6 +61,13 @@ pub(crate) struct Counts {
     pub cut: u32,
     /// Bodies that have been quiet for long enough.
     pub ready: u32,
+    /// Pairs in the scratch's list of those whose contacts ended, and of those whose began.
+    pub ended: usize,
+    pub began: usize,
+    /// Contacts of the step before, in the scratch when some began or ended.
+    pub contacts_before: usize,
+    pub dropped_events: u32,
+    pub dropped_visits: u32,
 }
 
 /// The memory of a world, region by region.
@@ -78,6 +87,8 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
 ) -> StepReport {
     let Regions { assets, state, cache, scratch } = regions;
     let mut counts = Counts::default();
+    events::begin(state);
+    events::begin_moved(state);
     if settings.dt == 0.0 {
         state.header[0].step += 1;
         return report(state, None, (0, &counts, 0));
@@ -94,9 +105,11 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         rules::end_ignored(state, (assets, settings.dt));
     }
     let woken = sleep::wake(state, (assets, settings.dt), (cache, scratch), &mut counts);
+    events::roused(state, &mut counts);
     crew.executor.enter(Stage::Narrowphase);
     let looks = (&*assets, settings, moved, woken);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
+    events::contacts(state, scratch, &mut counts);
     crew.executor.enter(Stage::Islands);
     let links = activate(state, (cache, scratch), &mut crew);
     crew.executor.enter(Stage::Ordering);
@@ -125,11 +138,16 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     };
     solver::solve(&mut rows, settings, &mut crew);
     crew.executor.enter(Stage::Finish);
+    events::hits(state, (cache, scratch), (&plan, settings), &mut counts);
     let joints = (&plan, links.held(), settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
     finish::run(state, (assets, cache, scratch), (&plan, settings), (&mut crew, &mut counts));
+    if counts.quarantined > 0 {
+        finish::move_quarantined(state, cache, scratch);
+    }
+    sensors::run(state, (assets, moved), (cache, scratch), (&mut crew, &mut counts));
     if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
-        sleep::fall(state, (cache, scratch), (links, steps));
+        sleep::fall(state, (cache, scratch), (links, steps), &mut counts);
     }
     crew.executor.leave();
     report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers))
@@ -176,6 +194,10 @@ fn report(
         capped: counts.capped,
         cut: counts.cut,
         broken: counts.broken,
+        events: header.events,
+        dropped_events: counts.dropped_events,
+        visits: header.visits,
+        dropped_visits: counts.dropped_visits,
     }
 }
 

@@ -21,6 +21,7 @@
 
 mod batch;
 mod found;
+mod visits;
 mod walk;
 
 use crate::body::{BodyKind, BodyRow, Motion, Position};
@@ -49,6 +50,8 @@ impl BodyKinds {
     pub const KINEMATIC: Self = Self(2);
     /// Dynamic bodies.
     pub const DYNAMIC: Self = Self(4);
+    /// Kinematic and dynamic bodies.
+    pub const MOVING: Self = Self(6);
     /// All bodies.
     pub const ALL: Self = Self(7);
 
@@ -63,7 +66,7 @@ impl BodyKinds {
     }
 }
 
-/// What a query looks for. The default is everything.
+/// What a query looks for. The default is everything but sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QueryFilter {
     /// Finds only shapes whose filter meets this one; `None` asks for no filter.
@@ -72,6 +75,8 @@ pub struct QueryFilter {
     pub skip: Option<BodyHandle>,
     /// Finds shapes of bodies of these kinds.
     pub kinds: BodyKinds,
+    /// Finds sensors, too.
+    pub sensors: bool,
 }
 
 impl Default for QueryFilter {
@@ -81,8 +86,8 @@ impl Default for QueryFilter {
 }
 
 impl QueryFilter {
-    /// Finds everything.
-    pub const ALL: Self = Self { meets: None, skip: None, kinds: BodyKinds::ALL };
+    /// Finds everything but sensors.
+    pub const ALL: Self = Self { meets: None, skip: None, kinds: BodyKinds::ALL, sensors: false };
 }
 
 /// A ray of some length.

@@ -33,4 +33,12 @@ pub struct StepReport {
     pub cut: u32,
     /// Joints that broke in this step.
     pub broken: u32,
+    /// Events of this step: see [`World::events`](crate::World::events).
+    pub events: u32,
+    /// Events that found no room.
+    pub dropped_events: u32,
+    /// Shapes in sensors, each counted once for each sensor.
+    pub visits: u32,
+    /// Visits that found no room.
+    pub dropped_visits: u32,
 }

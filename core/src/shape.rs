@@ -6,9 +6,11 @@ pub(crate) use crate::collide::{
 };
 use crate::config;
 use crate::error::Error;
+use crate::event::ShapeEvents;
 use crate::handle::{CompoundHandle, HeightFieldHandle, HullHandle, MeshHandle};
 use crate::material::{MaterialRow, MaterialTraits};
 use crate::math::{Aabb, Pose, Vec3};
+use crate::query::BodyKinds;
 use crate::validate::{self, EXTENT_MAX, EXTENT_MIN};
 use bytemuck::{Pod, Zeroable};
 
@@ -191,11 +193,22 @@ pub struct ShapeDef {
     pub traits: MaterialTraits,
     /// Which shapes it meets.
     pub filter: Filter,
+    /// `Some` for a sensor, with the kinds of bodies whose shapes it detects, at least one: it makes no
+    /// contacts, and queries pass through it. See [`World::visits`](crate::World::visits).
+    pub sensor: Option<BodyKinds>,
+    /// Of what about it events are made. A sensor has events of its own, always.
+    pub events: ShapeEvents,
     /// Yours; part of the state.
     pub user: u64,
 }
 
 impl ShapeDef {
+    /// A sensor at the body's origin that has no mass, meets every filter, and detects the shapes of dynamic
+    /// and of kinematic bodies.
+    pub fn sensor(geometry: Geometry) -> Self {
+        Self { density: 0.0, sensor: Some(BodyKinds::MOVING), ..Self::new(geometry) }
+    }
+
     /// A shape at the body's origin: density 1000 kg/m3, friction 0.6, no restitution, meets everything.
     pub fn new(geometry: Geometry) -> Self {
         Self {
@@ -206,6 +219,8 @@ impl ShapeDef {
             restitution: 0.0,
             traits: MaterialTraits::default(),
             filter: Filter::default(),
+            sensor: None,
+            events: ShapeEvents::NONE,
             user: 0,
         }
     }
@@ -216,8 +231,17 @@ impl ShapeDef {
         validate::pose("pose", &self.pose)?;
         validate::in_range("density", self.density, 0.0, 1.0e9)?;
         self.traits.check()?;
+        if self.sensor.is_some_and(|kinds| kinds.0 == 0 || kinds.0 > BodyKinds::ALL.0) {
+            return Err(Error::OutOfRange { name: "sensor" });
+        }
+        check_shape_events(self.events)?;
         check_material(self.friction, self.restitution)
     }
+}
+
+/// Refuses bits that stand for no event.
+pub(crate) fn check_shape_events(events: ShapeEvents) -> Result<(), Error> {
+    if events.0 > ShapeEvents::ALL.0 { Err(Error::OutOfRange { name: "events" }) } else { Ok(()) }
 }
 
 /// Refuses materials out of the ranges of [`ShapeDef`].
@@ -252,7 +276,8 @@ pub(crate) struct ShapeRow {
     pub filter: Filter,
     /// Box with a margin, relative to the middle of the sector of the body's center.
     pub fat_box: Aabb,
-    /// `BOX_STALE`, `FRESH`; in the upper half the index of the material's row, plus 1.
+    /// `BOX_STALE`, `FRESH`, and the bits from `SENSOR_SHIFT` and `EVENTS_SHIFT` on; in the upper half the index of
+    /// the material's row, plus 1.
     pub flags: u32,
 }
 
@@ -262,6 +287,17 @@ pub(crate) const BOX_STALE: u32 = 1;
 pub(crate) const FRESH: u32 = 2;
 /// Flags from this bit on are the index of the material's row, plus 1.
 pub(crate) const MATERIAL_SHIFT: u32 = 16;
+/// Kinds of bodies that a sensor detects; 0 for a shape that is none.
+pub(crate) const SENSOR_SHIFT: u32 = 2;
+const SENSOR_MASK: u32 = (BodyKinds::ALL.0 as u32) << SENSOR_SHIFT;
+/// What events are made of.
+pub(crate) const EVENTS_SHIFT: u32 = 5;
+/// Contacts of the shape are told.
+pub(crate) const TELLS_CONTACTS: u32 = (ShapeEvents::CONTACTS.0 as u32) << EVENTS_SHIFT;
+/// Hits of the shape are told.
+pub(crate) const TELLS_HITS: u32 = (ShapeEvents::HITS.0 as u32) << EVENTS_SHIFT;
+const EVENTS_MASK: u32 = (ShapeEvents::ALL.0 as u32) << EVENTS_SHIFT;
+pub(crate) const FLAGS_ALL: u32 = BOX_STALE | FRESH | SENSOR_MASK | EVENTS_MASK;
 
 impl ShapeRow {
     pub fn new(body: u32, def: &ShapeDef) -> Self {
@@ -277,9 +313,10 @@ impl ShapeRow {
             restitution: def.restitution,
             filter: def.filter,
             fat_box: Aabb::default(),
-            flags: BOX_STALE | FRESH,
+            flags: BOX_STALE | FRESH | def.sensor.map_or(0, |kinds| u32::from(kinds.0) << SENSOR_SHIFT),
         };
         row.set_geometry(&def.geometry);
+        row.set_events(def.events);
         row
     }
 
@@ -290,6 +327,26 @@ impl ShapeRow {
     /// The geometry; `None` when the row is not one that [`ShapeRow::set_geometry`] makes.
     pub fn geometry(&self) -> Option<Geometry> {
         Geometry::from_row(self.kind, self.size)
+    }
+
+    /// True for a shape that detects others instead of meeting them.
+    #[inline(always)]
+    pub fn is_sensor(&self) -> bool {
+        self.flags & SENSOR_MASK != 0
+    }
+
+    /// The kinds of bodies that a sensor detects.
+    pub fn sensor(&self) -> Option<BodyKinds> {
+        let kinds = (self.flags & SENSOR_MASK) >> SENSOR_SHIFT;
+        (kinds != 0).then_some(BodyKinds(kinds as u8))
+    }
+
+    pub fn set_events(&mut self, events: ShapeEvents) {
+        self.flags = (self.flags & !EVENTS_MASK) | u32::from(events.0) << EVENTS_SHIFT;
+    }
+
+    pub fn events(&self) -> ShapeEvents {
+        ShapeEvents(((self.flags & EVENTS_MASK) >> EVENTS_SHIFT) as u8)
     }
 
     /// Index of the hull, mesh, height field or compound.

@@ -16,6 +16,7 @@ use crate::constraint::joint::{
     BlockRow, BlockSpec, BoundRow, JointLink, LockRow, Member, NodeRow, NodeSpec, blocks_max, nodes_max,
 };
 use crate::constraint::row::{LinkRow, PointRow, ResistRow};
+use crate::event::{BodyNews, EventRow, Tenant, Visit};
 use crate::joint::JointRow;
 use crate::lanes::Words;
 use crate::material::{MaterialRow, PairRule};
@@ -68,7 +69,25 @@ pub(crate) struct Header {
     pub materials: u32,
     /// Rows of `pair_rules` in use.
     pub pair_rules: u32,
+    /// Rows of `events` in use.
+    pub events: u32,
+    /// What the next step has to look at for its events: `TENANTS_LEFT`, `VISITS_DROPPED`,
+    /// `ROUSED_LEFT`.
+    pub event_marks: u32,
+    /// Shapes that are sensors.
+    pub sensors: u32,
+    /// Shapes whose hits are told.
+    pub hit_shapes: u32,
+    /// Rows of `visits` in use.
+    pub visits: u32,
 }
+
+/// Some rows of `tenants` are not zero.
+pub(crate) const TENANTS_LEFT: u32 = 1;
+/// A body is marked as roused.
+pub(crate) const ROUSED_LEFT: u32 = 4;
+/// Visits were dropped for want of room: all must be looked for again.
+pub(crate) const VISITS_DROPPED: u32 = 2;
 
 /// Limits, drives and frictions for each joint of the capacity, in all.
 pub(crate) const JOINT_BOUNDS: usize = 4;
@@ -201,6 +220,15 @@ region! {
         materials: MaterialRow = c.materials as usize,
         /// Sorted by key, distinct.
         pair_rules: PairRule = c.pair_rules as usize,
+        /// Of the last step, in their order.
+        events: EventRow = c.events as usize,
+        /// Who had each shape's slot in the last step and was removed since. Of no length without events.
+        tenants: Tenant = if c.events == 0 { 0 } else { c.shapes as usize },
+        /// What is in each sensor: sorted by the slots of the sensor and the visitor, distinct.
+        visits: Visit = c.sensor_visits as usize,
+        /// Bodies that moved, if the settings ask for it, and those that a call has roused, if there is room for
+        /// events.
+        news: BodyNews = words(c.bodies as usize),
     }
 }
 
@@ -316,7 +344,7 @@ pub(crate) struct Reach {
     pub body: u32,
     /// Greatest corner.
     pub max: Vec3,
-    /// `Reach::HOME`, `Reach::DYNAMIC`, `Reach::ASLEEP`.
+    /// `Reach::HOME`, `Reach::DYNAMIC`.
     pub flags: u32,
     /// Origin of the shape's frame, from the middle of the body's sector.
     pub origin: Vec3,
@@ -329,8 +357,6 @@ impl Reach {
     pub const HOME: u32 = 1;
     /// The body is dynamic.
     pub const DYNAMIC: u32 = 2;
-    /// The body sleeps: nothing touches it in this step.
-    pub const ASLEEP: u32 = 4;
 }
 
 /// What a contact is in this step.
@@ -421,7 +447,7 @@ region! {
         tree_keys: u64 = c.shapes as usize,
         /// Shapes whose boxes changed, ascending.
         moved: u32 = c.shapes as usize,
-        /// 1 for such a shape, 2 for a slot without one.
+        /// Bits of `broadphase.rs` for each slot: `MOVED`, `GONE`, `SLEEPS`.
         is_moved: u8 = c.shapes as usize,
         /// Pairs found for moved shapes, twice the capacity so that the best can be chosen.
         found: u64 = 2 * c.pairs as usize,
@@ -496,6 +522,15 @@ region! {
         stops: f64 = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),
+        /// Pairs of shapes of contacts that ended in this step, and that began; contacts that are hits. Of no
+        /// length without events.
+        ended: u64 = if c.events == 0 { 0 } else { 2 * c.contacts as usize },
+        began: u64 = if c.events == 0 { 0 } else { c.contacts as usize },
+        hits: u32 = if c.events == 0 { 0 } else { c.contacts as usize },
+        /// Slots of the sensors; visits that are found, and then all of the step.
+        sensor_slots: u32 = if c.sensor_visits == 0 { 0 } else { c.shapes as usize },
+        found_visits: Visit = c.sensor_visits as usize,
+        visits_now: Visit = c.sensor_visits as usize,
         /// For registering a mesh.
         mesh_words: u64 = crate::collide::mesh::scratch_len(c.mesh_triangles as usize),
         mesh_boxes: Aabb = c.mesh_triangles as usize,

@@ -6,6 +6,7 @@ mod checksum;
 mod compounds;
 mod contacts;
 mod debug;
+mod events;
 mod forces;
 mod height_fields;
 mod joints;
@@ -68,6 +69,10 @@ pub struct Capacities {
     pub materials: u32,
     /// Pairs of shapes with a material of their own and pairs of bodies that ignore each other, at most 2^20.
     pub pair_rules: u32,
+    /// Events of a step, at most 2^20; 0 for none: see [`World::events`].
+    pub events: u32,
+    /// Shapes in sensors, each counted once for each sensor, at most 2^20; 0 for a world without sensors.
+    pub sensor_visits: u32,
 }
 
 impl Capacities {
@@ -90,6 +95,8 @@ impl Capacities {
             surfaces: 0,
             materials: 0,
             pair_rules: 0,
+            events: 0,
+            sensor_visits: 0,
         }
     }
 
@@ -118,6 +125,8 @@ impl Capacities {
             ("surfaces", self.surfaces, 1 << 20),
             ("materials", self.materials, 0xffff << shift),
             ("pair_rules", self.pair_rules, 1 << 20),
+            ("events", self.events, 1 << 20),
+            ("sensor_visits", self.sensor_visits, 1 << 20),
         ];
         for (name, value, limit) in limits {
             if value > limit >> shift {
@@ -210,6 +219,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn set_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         settings.check()?;
         let pulls = self.settings().gravity != settings.gravity;
+        if !settings.moved_list {
+            events::forget_moved(&mut self.state_view());
+        }
         self.header_mut().settings = SettingsRow::from(settings);
         if pulls {
             sleep::wake_all(&mut self.state_view());

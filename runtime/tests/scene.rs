@@ -1,9 +1,10 @@
 //! Scene documents: what is read comes back, what is wrong is told where, what is too much is refused.
 #![cfg(feature = "scene")]
 
+use cellstep::Serial;
 use cellstep::scene::builtin::BUILTIN;
 use cellstep::scene::format::*;
-use cellstep::scene::{Limits, Scene, SceneError, load};
+use cellstep::scene::{Build, Limits, Scene, SceneError, load};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -32,6 +33,7 @@ fn full_body(turn: RotationDoc) -> BodyDoc {
         position: [-0.0, 1.0e-38, 0.1],
         rotation: RotationDoc::EulerDegrees([1.0, 2.0, 3.0]),
         filter: FilterDoc { category: 2, mask: 3, group: -4 },
+        sensor: true,
         user: u64::MAX,
     };
     BodyDoc {
@@ -123,6 +125,8 @@ fn full() -> Scene {
             contacts: Some(1),
             materials: Some(3),
             pair_rules: Some(2),
+            sensor_visits: Some(2),
+            events: Some(3),
         },
         materials: [(
             "wood".to_string(),
@@ -503,6 +507,27 @@ fn builtin_scenes_build() {
             }
         }
     }
+}
+
+#[test]
+fn sensors_detect_and_have_no_mass_of_their_own() {
+    let text = r#"{ "capacities": { "events": 8 }, "materials": { "wood": { "density": 500 } }, "bodies": [
+        { "kind": "static", "shapes": [{ "geometry": { "sphere": { "radius": 2 } }, "sensor": true }] },
+        { "position": [0, 0, 1], "shapes": [
+            { "geometry": { "sphere": { "radius": 0.5 } } },
+            { "geometry": { "sphere": { "radius": 9 } }, "sensor": true },
+            { "geometry": { "sphere": { "radius": 1 } }, "sensor": true, "material": "wood" }
+        ] } ] }"#;
+    let Build { mut world, bodies, .. } = read(text).unwrap().build(Path::new("")).unwrap();
+    let mass = world.mass_properties(bodies[1]).unwrap().mass;
+    let balls = 1000.0 * 0.125 + 500.0;
+    assert!((mass / (balls * 4.0 / 3.0 * std::f32::consts::PI) - 1.0).abs() < 1.0e-5, "{mass}");
+    world.step(&mut Serial);
+    let zone = world.shapes_of(bodies[0]).unwrap().next().unwrap();
+    let told: Vec<_> = world.visits(zone).unwrap().map(|visit| visit.visitor_body).collect();
+    assert_eq!((told, world.events().count()), (vec![bodies[1]], 1));
+    let refused = refusal(&text.replace("\"events\": 8", "\"sensor_visits\": 0"));
+    assert!(refused.contains("capacities.sensor_visits: found 0"), "{refused}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::worlds::OwnedWorld;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     Axis, AxisLocks, BodyDef, BodyHandle, BodyKind, Error, Filter, Geometry, JointDef, JointHandle,
-    MassProperties, MaterialTraits, PairMaterial, Position, Settings, ShapeDef, ShapeHandle,
+    MassProperties, MaterialTraits, PairMaterial, Position, Settings, ShapeDef, ShapeEvents, ShapeHandle,
 };
 
 /// A call that changes a world. The names are those of the methods of `World`.
@@ -44,6 +44,7 @@ pub enum Command {
     IgnoreUntilSeparated(BodyHandle, BodyHandle),
     StopIgnoring(BodyHandle, BodyHandle),
     SetFilter(ShapeHandle, Filter),
+    SetShapeEvents(ShapeHandle, ShapeEvents),
     CreateJoint(Box<JointDef>),
     RemoveJoint(JointHandle),
     SetJoint(JointHandle, Box<JointDef>),
@@ -89,6 +90,7 @@ impl Command {
             Self::IgnoreUntilSeparated(a, b) => world.ignore_until_separated(*a, *b)?,
             Self::StopIgnoring(a, b) => world.stop_ignoring(*a, *b)?,
             Self::SetFilter(shape, filter) => world.set_filter(*shape, *filter)?,
+            Self::SetShapeEvents(shape, events) => world.set_shape_events(*shape, *events)?,
             Self::SetSettings(settings) => world.set_settings(settings)?,
             of_body => return of_body.apply_to_body(world),
         }

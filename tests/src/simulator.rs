@@ -11,8 +11,9 @@ use crate::executors::Random;
 use crate::worlds::{self, OwnedWorld};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Error, Filter, Geometry, HullHandle,
-    JointHandle, MassProperties, MaterialTraits, MeshHandle, Position, Settings, ShapeDef, ShapeHandle,
+    AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, Error, Filter, Geometry,
+    HullHandle, JointHandle, MassProperties, MaterialTraits, MeshHandle, Position, Settings, ShapeDef,
+    ShapeEvents, ShapeHandle,
 };
 
 /// Handles that are remembered; older ones are forgotten at random.
@@ -31,6 +32,8 @@ pub struct Simulator {
     shapes: Vec<ShapeHandle>,
     /// Joints that exist, and some that no longer do.
     joints: Vec<JointHandle>,
+    /// Whether there is room for events: then there are sensors, and bodies that sleep.
+    eventful: bool,
 }
 
 /// Room of a simulated world: few bodies, so that slots are reused and creation is refused at times.
@@ -48,6 +51,9 @@ pub const CAPACITIES: Capacities = Capacities {
     pair_rules: 5,
     ..Capacities::for_bodies(0)
 };
+
+/// The same with room for events and sensors.
+pub const EVENTFUL: Capacities = Capacities { events: 300, sensor_visits: 200, ..CAPACITIES };
 
 /// An empty simulated world of some room: the assets are registered, and there is the ground.
 pub fn empty_world(capacities: Capacities) -> OwnedWorld {
@@ -95,7 +101,12 @@ impl Simulator {
             bodies: vec![terrain],
             shapes: vec![shape],
             joints: Vec::new(),
+            eventful: capacities.events > 0,
         };
+        if simulator.eventful {
+            let settings = simulator.settings();
+            world.set_settings(&Settings { dt: 1.0 / 60.0, ..settings }).expect("in range");
+        }
         for _ in 0..capacities.bodies / 2 {
             simulator.create(&mut world, &mut Vec::new());
         }
@@ -211,6 +222,9 @@ impl Simulator {
 
     fn of_shape(&mut self) -> Command {
         let shape = self.shape();
+        if self.eventful && self.random.below(5) == 0 {
+            return Command::SetShapeEvents(shape, self.shape_events());
+        }
         match self.random.below(8) {
             5..=7 => self.of_material(),
             0 => Command::SetShapeUser(shape, self.random.bits()),
@@ -306,7 +320,23 @@ impl Simulator {
         }
     }
 
+    /// Mostly everything.
+    fn shape_events(&mut self) -> ShapeEvents {
+        ShapeEvents([0, 1, 2, 3, 3, 3, 3, 4][self.random.below(8) as usize])
+    }
+
     fn shape_def(&mut self) -> ShapeDef {
+        let mut def = self.plain_shape_def();
+        if self.eventful {
+            def.events = self.shape_events();
+            if self.random.below(3) == 0 {
+                def.sensor = Some(BodyKinds(self.random.below(8) as u8));
+            }
+        }
+        def
+    }
+
+    fn plain_shape_def(&mut self) -> ShapeDef {
         ShapeDef {
             pose: self.pose(),
             density: self.random.between(100.0, 2000.0),
@@ -320,6 +350,20 @@ impl Simulator {
     }
 
     fn settings(&mut self) -> Settings {
+        let settings = self.plain_settings();
+        if !self.eventful {
+            return settings;
+        }
+        Settings {
+            sleep_time: self.random.between(0.05, 0.3),
+            sleep_speed: self.random.between(0.02, 0.3),
+            hit_speed: self.random.between(0.0, 3.0),
+            moved_list: self.random.below(4) > 0,
+            ..settings
+        }
+    }
+
+    fn plain_settings(&mut self) -> Settings {
         Settings {
             dt: [1.0 / 60.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 30.0, 0.0][self.random.below(5) as usize],
             gravity: Vec3::new(self.random.between(-1.0, 1.0), 0.0, -9.81),

@@ -395,3 +395,19 @@ fn drawing_is_as_fine_far_away_and_changes_nothing() {
     world.step(&mut Serial);
     assert!(drawn(&world, far, DebugLayers::NONE).lines.is_empty());
 }
+
+#[test]
+fn sensors_have_a_color_of_their_own() {
+    let mut world = world_with(Capacities { shapes: 2, sensor_visits: 4, ..Capacities::for_bodies(1) });
+    let body = BodyDef::new(BodyKind::Dynamic, PLACE);
+    let (body, _) = add(&mut world, &body, &ShapeDef::new(Geometry::Box { half_extents: Vec3::ONE }));
+    world
+        .create_shape(body, &ShapeDef::sensor(Geometry::Box { half_extents: Vec3::ONE * 2.0 }))
+        .expect("room");
+    let lines = drawn(&world, Position::ORIGIN, DebugLayers::SHAPES).lines;
+    assert_eq!(lines.len(), 24);
+    for (from, _, color) in lines {
+        let is_outer = (from - PLACE).length() > 2.0;
+        assert_eq!(color, if is_outer { colors::SENSOR } else { colors::DYNAMIC });
+    }
+}

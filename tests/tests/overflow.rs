@@ -295,6 +295,8 @@ fn capacities_and_memory_are_checked() {
     out_of_range(Capacities { compounds: u32::MAX, ..none }, "compounds");
     out_of_range(Capacities { compound_children: (1 << 20) + 1, ..none }, "compound_children");
     out_of_range(Capacities { surfaces: u32::MAX, ..none }, "surfaces");
+    out_of_range(Capacities { events: (1 << 20) + 1, ..none }, "events");
+    out_of_range(Capacities { sensor_visits: (1 << 20) + 1, ..none }, "sensor_visits");
     let needed = CAPACITIES.lines();
     let outcome = World::new(vec![Line::ZERO; needed - 1], CAPACITIES).err();
     assert_eq!(outcome, Some(Error::MemoryTooSmall { needed, given: needed - 1 }));

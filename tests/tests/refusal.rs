@@ -116,7 +116,7 @@ impl Poison {
             restitution: self.number(0.1),
             traits: self.traits(),
             filter: Filter::default(),
-            user: 0,
+            ..ShapeDef::new(Geometry::HalfSpace)
         }
     }
 
@@ -158,6 +158,7 @@ impl Poison {
             contact_damping_ratio: self.number(5.0),
             push_speed: self.number(2.0),
             restitution_threshold: self.number(0.7),
+            hit_speed: self.number(1.0),
             ..Settings::default()
         }
     }
@@ -322,6 +323,7 @@ const ASSET_CASES: &[Case] = &[
 
 /// Public methods that change a world and take no number.
 const WITHOUT_NUMBERS: &[&str] = &[
+    "set_shape_events",
     "step",
     "step_scheduled",
     "drop_caches",

@@ -11,7 +11,7 @@ mod bounce;
 mod resist;
 mod shift;
 
-use super::row::{Bias, LinkRow, PointRow, ResistRow};
+use super::row::{Bias, LinkRow, PointRow, ResistRow, SUMS, TURNS};
 use super::velocities::Velocities;
 use crate::lanes::{Lane, LaneVec, transpose};
 use crate::pipeline::seat::Seat;
@@ -130,7 +130,12 @@ fn visit_points<const N: usize>(
         Pass::Bounce => bounce(&mut u, row, (points, traits), (sweep, &shift)),
         _ => {
             if row.turns != 0 && sweep.pass == Pass::Biased {
-                u.wb = u.wb + row.turn;
+                if row.turns & TURNS != 0 {
+                    u.wb = u.wb + row.turn;
+                }
+                if row.turns & SUMS != 0 {
+                    row.total = row.total + load_of(points);
+                }
                 row.turns = 0;
             }
             if shift.any {
@@ -207,6 +212,9 @@ fn follow<const N: usize>(
     }
     // Against an immovable body the point rides on the moving one: its arm stays.
     row.slide = row.slide + moved;
+    if row.hits != 0 {
+        row.turns |= SUMS;
+    }
     turn_warm_start(row, points, &shift);
 }
 
@@ -226,7 +234,7 @@ fn turn_warm_start<const N: usize>(row: &mut LinkRow, points: &[PointRow; N], be
     row.turn = change(before.normal, after.normal, load_of(points))
         + change(before.first, after.first, row.first_impulse)
         + change(before.second, after.second, row.second_impulse);
-    row.turns = 1;
+    row.turns |= TURNS;
 }
 
 fn warm<const N: usize>(u: &mut Velocities, row: &LinkRow, points: &[PointRow; N]) {

@@ -34,12 +34,12 @@ pub(crate) struct LinkRow {
     pub uneven: u32,
     /// 1 when the surface of an immovable body of a lane moves.
     pub surfaces: u32,
-    /// 1 when the next biased sweep has to apply `turn`.
+    /// What the next biased sweep has to do first: `TURNS` for applying `turn`, `SUMS` for adding to `total`.
     pub turns: u32,
     /// 1 when a lane resists rolling or spinning: then its row of resistances serves.
     pub resists: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// 1 when `approach` and `total` are measured.
+    pub hits: u32,
     // What every sweep reads comes first.
     pub normal: LaneVec,
     pub tangent: LaneVec,
@@ -88,7 +88,16 @@ pub(crate) struct LinkRow {
     pub push: Lane,
     /// Velocity of an immovable B's surface along tangents, and its spin about the normal.
     pub surface: LaneVec,
+    /// Where hits are measured: fastest approach of a point at the start of the step, m/s, 0 when none approaches;
+    /// and normal impulse of all points in the substeps before the last, N s.
+    pub approach: Lane,
+    pub total: Lane,
 }
+
+/// B's arm has changed.
+pub(crate) const TURNS: u32 = 1;
+/// A substep has ended whose impulses are to be summed.
+pub(crate) const SUMS: u32 = 2;
 
 /// One point of each of eight links. All 0 in a lane without this point.
 #[repr(C)]

@@ -12,7 +12,6 @@ use crate::math::{PI, Vec3};
 use crate::pipeline::articulations::Patterns;
 use crate::pipeline::continuous::has_joints;
 use crate::pipeline::integration::root_and_whitened;
-use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
@@ -20,6 +19,7 @@ use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take, take_resists};
 use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{events, joints};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
 use bytemuck::Zeroable;
@@ -54,6 +54,8 @@ pub(crate) struct Scene<'a> {
     pub bias: Bias,
     pub substep: f32,
     pub dt: f32,
+    /// Whether rows measure hits.
+    pub hits: bool,
 }
 
 /// Softness of contacts between dynamic bodies, and with immovable ones.
@@ -154,6 +156,7 @@ pub(crate) fn fill<E: Executor>(
         bias: solver::bias(settings),
         substep: settings.substep(),
         dt: settings.dt,
+        hits: events::measures_hits(state),
     };
     let groups = &mut cache.groups[..plan.groups];
     let share = chunk(groups.len(), 1);

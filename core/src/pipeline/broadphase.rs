@@ -19,8 +19,13 @@ use crate::pool::is_used;
 use crate::shape::{BOX_STALE, ShapeRow};
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Reach, Scratch, State};
 
-/// Marks a slot without a shape among the marks of moved shapes.
+/// Marks a shape that left its box, or was changed.
+pub(crate) const MOVED: u8 = 1;
+/// Marks a slot without a shape.
 const GONE: u8 = 2;
+/// Marks a shape whose body sleeps, unless it wakes in this step: it has no place in the scratch, and gets no
+/// contacts.
+pub(crate) const SLEEPS: u8 = 4;
 /// Shapes for which updating boxes is worth a task.
 const UPDATE_SHAPES: usize = 256;
 /// Moved shapes for which a search is worth a task.
@@ -82,13 +87,13 @@ fn update_boxes<E: Executor>(
             *moved = GONE;
             if is_used(used, task.first + i as u32) {
                 let (body, motion) = (&bodies[shape.body as usize], &motions[shape.body as usize]);
+                *moved = if body.has(ASLEEP) { SLEEPS } else { 0 };
                 if body.has(ASLEEP) && !is_stale(shape, body) {
-                    *moved = 0;
                     continue;
                 }
                 let (place, bounds) = place_of(shape, (body, motion), (assets, dt, home));
                 (*frame, *stance, *reach) = place;
-                *moved = u8::from(update_box(shape, body, &bounds) || all);
+                *moved |= if update_box(shape, body, &bounds) || all { MOVED } else { 0 };
             }
         }
     });
@@ -108,9 +113,7 @@ fn place_of(
     };
     let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
     let is_home = u32::from(motion.center.sector == home);
-    let flags = (Reach::HOME * is_home)
-        | (Reach::DYNAMIC * u32::from(body.is_dynamic()))
-        | (Reach::ASLEEP * u32::from(body.has(ASLEEP)));
+    let flags = (Reach::HOME * is_home) | (Reach::DYNAMIC * u32::from(body.is_dynamic()));
     let (min, max) = (bounds.reach.min, bounds.reach.max);
     let origin = pose.position + motion.center.offset;
     let radius = reach_radius(shape, (motion, assets, dt));
@@ -176,7 +179,7 @@ fn list_moved(state: &State<'_>, scratch: &mut Scratch<'_>) -> (usize, bool) {
     let high = state.header[0].shapes.high as usize;
     let (mut count, mut statics) = (0, false);
     for slot in 0..high {
-        if scratch.is_moved[slot] == 1 {
+        if scratch.is_moved[slot] & MOVED != 0 {
             scratch.moved[count] = slot as u32;
             count += 1;
             let body = state.shapes[slot].body as usize;
@@ -282,6 +285,7 @@ pub(crate) fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
     sa.body != sb.body
         && (dynamic(sa) || dynamic(sb))
         && !(sa.is_surface() && sb.is_surface())
+        && !(sa.is_sensor() || sb.is_sensor())
         && sa.filter.meets(&sb.filter)
         && !are_joined(state, sa.body, sb.body)
 }
@@ -334,7 +338,7 @@ impl Search<'_> {
         let state = self.state;
         let region = tree_box(state, slot, self.sector);
         let mut found = |other: u32| {
-            let twice = self.is_moved[other as usize] != 0 && other < slot;
+            let twice = self.is_moved[other as usize] & MOVED != 0 && other < slot;
             let new = other != slot && !twice && self.is_moved[other as usize] != GONE;
             if new && may_meet(state, slot, other) && boxes_overlap(state, slot, other) {
                 visit(key(slot, other));
@@ -463,7 +467,7 @@ impl Best<'_> {
 fn merge(state: &mut State<'_>, scratch: &mut Scratch<'_>, found: usize, counts: &mut Counts) {
     let is_moved = &*scratch.is_moved;
     let old = state.header[0].pairs as usize;
-    let stays = |pair: &Pair| is_moved[pair.a as usize] | is_moved[pair.b as usize] == 0;
+    let stays = |pair: &Pair| (is_moved[pair.a as usize] | is_moved[pair.b as usize]) & (MOVED | GONE) == 0;
     let mut kept = 0;
     for i in 0..old {
         if stays(&state.pairs[i]) {

@@ -4,8 +4,8 @@
 
 use crate::cells::{IMMOVABLE, UNORDERED};
 use crate::executor::{Executor, Stage};
-use crate::pipeline::Counts;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{Counts, events};
 use crate::shape::FRESH;
 use crate::state::{Birth, Cache, ContactRow, Memo, Scratch, State, Touch};
 use bytemuck::Zeroable;
@@ -53,6 +53,7 @@ pub(crate) fn merge<E: Executor>(
         return Change::default();
     }
     let before = state.header[0].contacts as usize;
+    counts.contacts_before = before;
     let (count, lost) = list(state, scratch, yields, counts);
     copy_rows(&state.contacts[..before], &mut scratch.rows_before[..before], crew);
     core::mem::swap(&mut scratch.touches, &mut scratch.touches_before);
@@ -106,6 +107,7 @@ fn list(
                 if row.tag.points() > 0 {
                     add(index);
                 } else {
+                    events::note(scratch.ended, &mut counts.ended, row.pair);
                     scratch.lost[lost] = [row.pair.a, row.pair.b].map(|slot| known_body(state, slot));
                     lost += 1;
                 }
@@ -117,6 +119,7 @@ fn list(
             if room > 0 {
                 room -= 1;
                 add(BORN | birth);
+                events::note(scratch.began, &mut counts.began, scratch.births[birth as usize].row.pair);
             } else {
                 counts.dropped_contacts += 1;
             }

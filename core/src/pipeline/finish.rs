@@ -5,10 +5,11 @@ use crate::body::{
 };
 use crate::config::{SECTOR_MAX, Settings};
 use crate::constraint::row::{LinkRow, PointRow};
+use crate::event::BodyNews;
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::math::{Rotation, Vec3};
-use crate::pipeline::Counts;
+use crate::pipeline::broadphase::MOVED;
 use crate::pipeline::continuous::{self, Race};
 use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
@@ -16,7 +17,9 @@ use crate::pipeline::layout::Plan;
 use crate::pipeline::mover::{MoverRow, angular_velocity};
 use crate::pipeline::rows::resistance;
 use crate::pipeline::seat::Seat;
+use crate::pipeline::solver::take;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{Counts, events};
 use crate::shape::BOX_STALE;
 use crate::state::{Active, AssetTables, Cache, ContactRow, Scratch, State, Touch};
 
@@ -40,6 +43,7 @@ pub(crate) fn run<E: Executor>(
     }
     if counts.quarantined > 0 {
         drop_shapes_of_quarantined(state);
+        events::quarantined(state, scratch.active_of, counts);
     }
     state.header[0].step += 1;
 }
@@ -120,6 +124,8 @@ struct Bodies<'a> {
     rows: &'a mut [BodyRow],
     origins: &'a mut [Motion],
     fast: &'a mut [u32],
+    /// Empty when nobody asks which bodies moved.
+    moved: &'a mut [BodyNews],
     found: Found,
 }
 
@@ -150,7 +156,10 @@ fn store_motions<E: Executor>(
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
     let high = state.header[0].bodies.high as usize;
-    let share = chunk(high, FINISH_BODIES);
+    // Whole words of the list of what moved.
+    let share = chunk(high, FINISH_BODIES).next_multiple_of(64);
+    let notes = state.header[0].settings.notes_moved();
+    let mut words = if notes { &mut *state.news } else { &mut [] };
     let results = Results {
         active_of: scratch.active_of,
         first_seats: cache.first_seats,
@@ -166,11 +175,15 @@ fn store_motions<E: Executor>(
     let parts = state.motions[..high].chunks_mut(share).zip(state.bodies[..high].chunks_mut(share));
     let places = scratch.origins[..high].chunks_mut(share).zip(scratch.fast[..high].chunks_mut(share));
     for (i, ((motions, rows), (origins, fast))) in parts.zip(places).enumerate() {
-        push(&mut tasks, Bodies { first: i * share, motions, rows, origins, fast, found: Found::default() });
+        let count = words.len().min(share / 64);
+        let moved = take(&mut words, count);
+        let found = Found::default();
+        push(&mut tasks, Bodies { first: i * share, motions, rows, origins, fast, moved, found });
     }
     crew.run(Stage::Finish, &mut tasks, |task| {
         for i in 0..task.rows.len() {
             if crate::pool::is_used(used, (task.first + i) as u32) {
+                let before = notes.then_some((task.motions[i].center, task.motions[i].rotation));
                 match task.rows[i].kind() {
                     BodyKind::Static => {}
                     BodyKind::Kinematic => {
@@ -179,6 +192,9 @@ fn store_motions<E: Executor>(
                     }
                     BodyKind::Dynamic if task.rows[i].has(ASLEEP) => {}
                     BodyKind::Dynamic => task.store(i, (&results, &race), sleep),
+                }
+                if before.is_some_and(|before| before != (task.motions[i].center, task.motions[i].rotation)) {
+                    task.moved[i / 64].moved |= 1 << (i % 64);
                 }
             }
         }
@@ -287,6 +303,20 @@ fn quarantine(motion: &mut Motion, row: &mut BodyRow) {
     motion.linear = Vec3::ZERO;
     motion.angular = Vec3::ZERO;
     row.flags = (row.flags & !KIND_MASK) | BodyKind::Static as u32 | QUARANTINED;
+}
+
+/// Shapes of quarantined bodies are among those that rest from now on.
+pub(crate) fn move_quarantined(state: &mut State<'_>, cache: &mut Cache<'_>, scratch: &mut Scratch<'_>) {
+    state.header[0].static_version += 1;
+    (cache.header[0].moving_fits, cache.header[0].moving_listed) = (0, 0);
+    for slot in 0..state.header[0].shapes.high as usize {
+        let shape = &state.shapes[slot];
+        if crate::pool::is_used(state.shape_used, slot as u32)
+            && state.bodies[shape.body as usize].has(body::QUARANTINED)
+        {
+            scratch.is_moved[slot] |= MOVED;
+        }
+    }
 }
 
 /// The shapes' pairs are looked for again, now that their body is static; their contacts go with the pairs.

@@ -11,13 +11,13 @@ use crate::joint::axis::{TURN_X, TURN_Z};
 use crate::joint::{AxisRow, BROKEN, COLLIDES, JointRow, Signature};
 use crate::lanes::{LANES, LaneVec};
 use crate::math::{PI, Pose, Rotation, Vec3, length, min};
-use crate::pipeline::Counts;
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::{along_axes, split_frame, square_roots};
 use crate::pipeline::layout::{EMPTY, Group, Plan};
 use crate::pipeline::mover;
 use crate::pipeline::solver::{JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{Counts, events};
 use crate::shape::BOX_STALE;
 use crate::state::{Cache, Scratch, State, mark_shapes, principal_rotation};
 use bytemuck::Zeroable;
@@ -360,7 +360,7 @@ pub(crate) fn store<E: Executor>(
     drop(tasks);
     counts.broken += broken;
     if broken > 0 {
-        part_broken(state, &scratch.joint_slots[..joints]);
+        part_broken(state, &scratch.held_slots[..joints], counts);
     }
 }
 
@@ -394,8 +394,9 @@ fn measure_wrenches<E: Executor>(
 }
 
 /// Shapes of bodies whose joint broke may meet from now on.
-fn part_broken(state: &mut State<'_>, slots: &[u32]) {
+fn part_broken(state: &mut State<'_>, slots: &[u32], counts: &mut Counts) {
     for &slot in slots {
+        events::broke(state, counts, slot);
         let joint = &state.joints[slot as usize];
         if joint.has(BROKEN) {
             for body in joint.bodies {

@@ -35,7 +35,7 @@ pub(crate) fn frame_words(pose: &Pose) -> Words {
 }
 
 #[inline(always)]
-fn frame_of(words: Words) -> Pose {
+pub(crate) fn frame_of(words: Words) -> Pose {
     let x = words.to_array();
     Pose::new(Vec3::new(x[0], x[1], x[2]), Rotation::new(x[4], x[5], x[6], x[7]))
 }
@@ -68,11 +68,6 @@ impl Scene<'_> {
     /// True when the shape's body is dynamic.
     pub fn is_dynamic(&self, shape: u32) -> bool {
         self.reaches[shape as usize].flags & Reach::DYNAMIC != 0
-    }
-
-    /// True when one of the bodies of two shapes sleeps.
-    pub fn sleeps(&self, [a, b]: [u32; 2]) -> bool {
-        (self.reaches[a as usize].flags | self.reaches[b as usize].flags) & Reach::ASLEEP != 0
     }
 
     pub fn motion(&self, shape: u32) -> &Motion {

@@ -9,6 +9,7 @@ use crate::config::Settings;
 use crate::executor::{Executor, Stage};
 use crate::math::{Pose, Vec3, max, sqrt};
 use crate::pipeline::approach::{self, Approach};
+use crate::pipeline::broadphase::SLEEPS;
 use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
 use crate::pipeline::rules::{Acts, Rules};
@@ -63,6 +64,8 @@ fn collide_pairs<E: Executor>(
         dt: settings.dt,
         continuous: settings.continuous,
         memos_fit: cache.header[0].memos_fit != 0,
+        marks: scratch.is_moved,
+        any_sleeps: header.asleep > 0,
     };
     let pairs = &state.pairs[..pair_count];
     let half = cache.header[0].memo_half as usize * (cache.memos.len() / 2);
@@ -115,11 +118,21 @@ struct Look<'a> {
     dt: f32,
     continuous: bool,
     memos_fit: bool,
+    /// Which shapes sleep; see `broadphase.rs`.
+    marks: &'a [u8],
+    /// Whether any does.
+    any_sleeps: bool,
 }
 
 impl Look<'_> {
     fn shape(&self, slot: u32) -> &ShapeRow {
         &self.scene.shapes[slot as usize]
+    }
+
+    /// False when a shape of the pair sleeps: had it points with something that pushes, it would have woken.
+    #[inline(always)]
+    fn is_awake(&self, pair: Pair) -> bool {
+        !self.any_sleeps || (self.marks[pair.a as usize] | self.marks[pair.b as usize]) & SLEEPS == 0
     }
 
     /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.
@@ -292,7 +305,7 @@ impl Task<'_> {
             let mut count = 0;
             for (i, &pair) in pairs.iter().enumerate() {
                 near[count] = i as u8;
-                count += usize::from(look.scene.may_touch(pair));
+                count += usize::from(look.is_awake(pair) && look.scene.may_touch(pair));
             }
             for &i in &near[..count] {
                 let pair = pairs[usize::from(i)];
@@ -320,9 +333,8 @@ impl Task<'_> {
     fn meet(&mut self, look: &Look<'_>, pair: Pair, room: &mut Room) {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
-        if look.scene.sleeps(slots)
-            || (look.rules.ignore_any()
-                && look.rules.ignore(slots.map(|slot| look.scene.reaches[slot as usize].body)))
+        if look.rules.ignore_any()
+            && look.rules.ignore(slots.map(|slot| look.scene.reaches[slot as usize].body))
         {
             self.end_until(|row| row.pair == pair);
             return;

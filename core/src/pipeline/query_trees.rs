@@ -7,9 +7,12 @@
 
 use crate::body::{CHANGED_SECTOR, Position};
 use crate::collide::{bounds, tree};
+use crate::executor::{Executor, Stage};
 use crate::math::{Aabb, Pose, Vec3, max, max_each, min};
 use crate::pipeline::broadphase::{first_sector, tree_box};
 use crate::pipeline::solid;
+use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pool::is_used;
 use crate::shape::BOX_STALE;
 use crate::state::{AssetTables, Cache, Scratch, State};
 
@@ -17,6 +20,8 @@ use crate::state::{AssetTables, Cache, Scratch, State};
 const SLACK: f32 = 1.0e-6;
 /// And by this fraction of their size.
 const SLACK_OF_SIZE: f32 = 1.0e-5;
+/// Shapes whose boxes are worth a task.
+const BOX_SHAPES: usize = 256;
 /// Sizes beyond this do not widen the slack, metres: shapes without end.
 const SIZE_MAX: f32 = 1.0e6;
 
@@ -30,34 +35,81 @@ pub(crate) fn refresh(
     if cache.header[0].queried != 0 {
         return;
     }
-    let stamp = state.header[0].static_version + 1;
-    if cache.header[0].static_stamp != stamp {
-        cache.header[0].sector = first_sector(state);
-        let sector = cache.header[0].sector;
-        for slot in shapes(state, true) {
-            scratch.tree_boxes[slot as usize] = static_box((state, assets), slot, sector);
-        }
-        let (order, nodes) = (&mut *cache.static_order, &mut *cache.static_nodes);
-        let leaves =
-            tree::build(scratch.tree_boxes, shapes(state, true), scratch.tree_keys, order, nodes) as u32;
-        cache.header[0].static_leaves = leaves;
-        cache.header[0].static_stamp = stamp;
-    }
-    let sector = cache.header[0].sector;
-    let (order, nodes) = (&mut *cache.moving_order, &mut *cache.moving_nodes);
-    if cache.header[0].moving_listed != 0 {
-        let order = &order[..cache.header[0].moving_leaves as usize];
+    refresh_static(state, assets, cache, scratch);
+    let header = &cache.header[0];
+    let order = &cache.moving_order[..header.moving_leaves as usize];
+    if header.moving_listed != 0 {
         for &slot in order {
-            scratch.tree_boxes[slot as usize] = current_box((state, assets), slot, sector);
+            scratch.tree_boxes[slot as usize] = current_box((state, assets), slot, header.sector);
         }
-        tree::refit(scratch.tree_boxes, order, nodes);
     } else {
         for slot in shapes(state, false) {
-            scratch.tree_boxes[slot as usize] = current_box((state, assets), slot, sector);
+            scratch.tree_boxes[slot as usize] = current_box((state, assets), slot, header.sector);
         }
-        let leaves =
-            tree::build(scratch.tree_boxes, shapes(state, false), scratch.tree_keys, order, nodes) as u32;
-        cache.header[0].moving_leaves = leaves;
+    }
+    refresh_moving(state, cache, scratch);
+}
+
+/// The same at the end of a step, on an executor.
+pub(crate) fn refresh_in_tasks<E: Executor>(
+    state: &State<'_>,
+    assets: &AssetTables<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    crew: &mut Crew<'_, E>,
+) {
+    refresh_static(state, assets, cache, scratch);
+    let sector = cache.header[0].sector;
+    let high = state.header[0].shapes.high as usize;
+    let share = chunk(high, BOX_SHAPES);
+    let mut tasks: Tasks<(usize, &mut [Aabb])> = Tasks::new();
+    for (i, boxes) in scratch.tree_boxes[..high].chunks_mut(share).enumerate() {
+        push(&mut tasks, (i * share, boxes));
+    }
+    crew.run(Stage::Finish, &mut tasks, |(first, boxes)| {
+        for (i, own) in boxes.iter_mut().enumerate() {
+            let slot = *first + i;
+            if is_used(state.shape_used, slot as u32) {
+                let body = &state.bodies[state.shapes[slot].body as usize];
+                if !body.rests() {
+                    *own = current_box((state, assets), slot as u32, sector);
+                }
+            }
+        }
+    });
+    drop(tasks);
+    refresh_moving(state, cache, scratch);
+}
+
+/// Builds the tree of shapes that rest anew when one of them changed.
+fn refresh_static(
+    state: &State<'_>,
+    assets: &AssetTables<'_>,
+    cache: &mut Cache<'_>,
+    scratch: &mut Scratch<'_>,
+) {
+    let stamp = state.header[0].static_version + 1;
+    if cache.header[0].static_stamp == stamp {
+        return;
+    }
+    cache.header[0].sector = first_sector(state);
+    let sector = cache.header[0].sector;
+    for slot in shapes(state, true) {
+        scratch.tree_boxes[slot as usize] = static_box((state, assets), slot, sector);
+    }
+    let (order, nodes) = (&mut *cache.static_order, &mut *cache.static_nodes);
+    let leaves = tree::build(scratch.tree_boxes, shapes(state, true), scratch.tree_keys, order, nodes);
+    cache.header[0].static_leaves = leaves as u32;
+    cache.header[0].static_stamp = stamp;
+}
+
+/// Brings the tree of shapes that move to their boxes in the scratch.
+fn refresh_moving(state: &State<'_>, cache: &mut Cache<'_>, scratch: &mut Scratch<'_>) {
+    let (order, nodes) = (&mut *cache.moving_order, &mut *cache.moving_nodes);
+    if cache.header[0].moving_listed != 0 {
+        tree::refit(scratch.tree_boxes, &order[..cache.header[0].moving_leaves as usize], nodes);
+    } else {
+        let leaves = tree::build(scratch.tree_boxes, shapes(state, false), scratch.tree_keys, order, nodes);
+        cache.header[0].moving_leaves = leaves as u32;
         cache.header[0].moving_listed = 1;
     }
     cache.header[0].moving_fits = 0;

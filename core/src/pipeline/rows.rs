@@ -48,6 +48,7 @@ pub(crate) fn fill(
     row.surfaces = u32::from(sides.moving() != 0);
     row.resists = 0;
     row.turns = 0;
+    row.hits = u32::from(scene.hits);
     row.slide = LaneVec::ZERO;
     fill_points(scene, &sides, row, own);
     if let (Some(acts), Some(resist)) = (&sides.acts, resist) {
@@ -78,6 +79,9 @@ fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mu
     link.press_mass = press_mass(link.count, link.inertia);
     link.soft_press_mass = press_mass(link.count, link.inertia + soft);
     sides.write_friction(&found, link, &patch);
+    if scene.hits {
+        sides.measure_approach(&found, link, &patch);
+    }
     if link.bounces != 0 {
         sides.write_push(scene, link);
     }
@@ -363,6 +367,18 @@ impl Sides {
         point.separation = live.select(apart, Lane::ZERO);
         point.impulse = self.stored[i];
         (place, arm_b)
+    }
+
+    /// How fast the points approach, as far as a hit is looked for.
+    #[inline(never)]
+    fn measure_approach(&self, found: &Placed, row: &mut LinkRow, patch: &Patch) {
+        (row.approach, row.total) = (Lane::ZERO, Lane::ZERO);
+        for (i, &arm_a) in patch.places[..patch.points].iter().enumerate() {
+            let at_a = self.a.linear + self.a.angular.cross(arm_a);
+            let at_b = self.b.linear + self.b.angular.cross(arm_a - found.centers);
+            let live = found.count.greater(Lane::splat(i as f32));
+            row.approach = live.keep(found.normal.dot(at_a - at_b)).greatest(row.approach);
+        }
     }
 
     /// One patch for the manifold: two tangents and the twist at the points' middle.

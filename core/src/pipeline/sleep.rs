@@ -20,11 +20,11 @@ use crate::cells::{IMMOVABLE, UNORDERED};
 use crate::collide::Manifolds;
 use crate::joint::BROKEN;
 use crate::math::Vec3;
-use crate::pipeline::broadphase::{key, merge_sorted, pair_of, place_shape};
+use crate::pipeline::broadphase::{SLEEPS, key, merge_sorted, pair_of, place_shape};
 use crate::pipeline::meeting::{Meeting, Scene};
 use crate::pipeline::ordering::Links;
 use crate::pipeline::rules::Rules;
-use crate::pipeline::{Counts, solid};
+use crate::pipeline::{Counts, events, solid};
 use crate::pool::{is_used, iterate};
 use crate::shape::FRESH;
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Scratch, State, Touch};
@@ -54,7 +54,7 @@ pub(crate) fn wake(
     any |= mark_joined(state, scratch.marks);
     if any {
         unite_asleep(state, scratch.islands);
-        rouse(state, scratch);
+        rouse(state, scratch, counts);
     }
     if !any && !called {
         return 0;
@@ -222,7 +222,7 @@ fn unite_asleep(state: &State<'_>, islands: &mut [u32]) {
 }
 
 /// Wakes the islands of marked bodies. Their marks stay.
-fn rouse(state: &mut State<'_>, scratch: &mut Scratch<'_>) {
+fn rouse(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut Counts) {
     let high = state.header[0].bodies.high;
     for slot in 0..high {
         if scratch.marks[slot as usize] == WAKE {
@@ -230,7 +230,7 @@ fn rouse(state: &mut State<'_>, scratch: &mut Scratch<'_>) {
             scratch.marks[root as usize] = WAKE;
         }
     }
-    for slot in iterate(state.body_used, high) {
+    for slot in 0..high {
         if state.bodies[slot as usize].has(ASLEEP) {
             let root = root(scratch.islands, slot);
             scratch.marks[slot as usize] = scratch.marks[root as usize];
@@ -239,7 +239,10 @@ fn rouse(state: &mut State<'_>, scratch: &mut Scratch<'_>) {
                 row.flags &= !ASLEEP;
                 row.count_quiet(false);
                 state.header[0].asleep -= 1;
+                events::woke(state, counts, slot);
             }
+        } else if events::is_roused(state, slot) {
+            events::woke(state, counts, slot);
         }
     }
 }
@@ -253,6 +256,7 @@ fn place_woken(
     for slot in iterate(state.shape_used, state.header[0].shapes.high) {
         let body = state.shapes[slot as usize].body as usize;
         if scratch.marks[body] == WAKE {
+            scratch.is_moved[slot as usize] &= !SLEEPS;
             place_shape(state, (assets, dt), (Some(home), scratch), slot);
         }
     }
@@ -329,13 +333,17 @@ fn bring_contacts(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut
                 scratch.rows_before[count] = row;
                 count += 1;
             }
-            _ => {}
+            Fate::Wakes => {}
+            Fate::Ends => events::note(scratch.ended, &mut counts.ended, row.pair),
         }
     }
     state.asleep_contacts[kept..before].fill(ContactRow::zeroed());
     state.header[0].asleep_contacts = kept as u32;
     let room = state.contacts.len() - own;
     counts.dropped_contacts += count.saturating_sub(room) as u32;
+    for row in &scratch.rows_before[count.min(room)..count] {
+        events::note(scratch.ended, &mut counts.ended, row.pair);
+    }
     let count = count.min(room);
     merge_sorted(state.contacts, own, scratch.rows_before[..count].iter().copied(), ContactRow::key);
     state.header[0].contacts = (own + count) as u32;
@@ -355,6 +363,7 @@ pub(crate) fn fall(
     state: &mut State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (links, steps): (Links, u32),
+    counts: &mut Counts,
 ) {
     let high = state.header[0].bodies.high;
     let mut driven = false;
@@ -382,7 +391,7 @@ pub(crate) fn fall(
         }
     }
     if falling > 0 && has_room(state, scratch.marks, links.contacts) {
-        lay_down(state, scratch, links.contacts);
+        lay_down(state, scratch, links.contacts, counts);
         state.header[0].static_version += 1;
         (cache.header[0].moving_fits, cache.header[0].moving_listed) = (0, 0);
     }
@@ -443,7 +452,7 @@ fn has_room(state: &State<'_>, marks: &[u8], contacts: usize) -> bool {
 }
 
 /// Moves pairs, copies contacts, and stops the bodies. The contacts end in the next step, for want of their pairs.
-fn lay_down(state: &mut State<'_>, scratch: &mut Scratch<'_>, contacts: usize) {
+fn lay_down(state: &mut State<'_>, scratch: &mut Scratch<'_>, contacts: usize, counts: &mut Counts) {
     let before = state.header[0].pairs as usize;
     let (mut kept, mut count) = (0, 0);
     for i in 0..before {
@@ -484,6 +493,8 @@ fn lay_down(state: &mut State<'_>, scratch: &mut Scratch<'_>, contacts: usize) {
             state.motions[index].linear = Vec3::ZERO;
             state.motions[index].angular = Vec3::ZERO;
             state.header[0].asleep += 1;
+            events::slept(state, counts, slot);
+            events::note_slept(state, index);
         }
     }
 }

@@ -41,18 +41,19 @@ pub(super) trait Query: Sync {
 }
 
 /// A shape that passed the filter.
-struct Candidate<'a> {
-    shape: ShapeHandle,
-    body: BodyHandle,
-    solid: Solid<'a>,
+pub(super) struct Candidate<'a> {
+    pub shape: ShapeHandle,
+    pub body: BodyHandle,
+    pub solid: Solid<'a>,
     /// Where it stands from the query's position, in world axes.
-    frame: Frame,
+    pub frame: Frame,
 }
 
 impl QueryFilter {
     /// True when the query looks for the shape.
     fn passes(&self, shape: &ShapeRow, body: &BodyRow, handle: BodyHandle) -> bool {
         self.kinds.has(body.kind())
+            && (self.sensors || !shape.is_sensor())
             && self.skip != Some(handle)
             && self.meets.is_none_or(|filter| filter.meets(&shape.filter))
     }
@@ -60,7 +61,7 @@ impl QueryFilter {
 
 impl<'a> Queries<'a> {
     /// A shape as seen from a place; `None` when the filter keeps it out.
-    fn candidate(&self, slot: u32, filter: &QueryFilter, from: Position) -> Option<Candidate<'a>> {
+    pub(super) fn candidate(&self, slot: u32, filter: &QueryFilter, from: Position) -> Option<Candidate<'a>> {
         let row = &self.shapes[slot as usize];
         let index = row.body;
         let body = BodyHandle { index, generation: self.body_generations[index as usize] };
@@ -76,7 +77,7 @@ impl<'a> Queries<'a> {
     }
 
     /// Where a place is in the trees' coordinates.
-    fn in_trees(&self, place: Position) -> DVec3 {
+    pub(super) fn in_trees(&self, place: Position) -> DVec3 {
         place.minus_wide(Position { sector: self.sector, offset: Vec3::ZERO })
     }
 
@@ -137,7 +138,7 @@ impl<'a> Queries<'a> {
 impl Candidate<'_> {
     /// How near a solid at a frame is, up to a distance: its nearest part, of equally near ones that of the least
     /// part of this shape.
-    fn nearest(&self, (parts, frame): (&Parts<'_>, &Frame), limit: f64) -> Option<Nearness> {
+    pub(super) fn nearest(&self, (parts, frame): (&Parts<'_>, &Frame), limit: f64) -> Option<Nearness> {
         parts.at(frame).fold(None, |best: Option<Nearness>, (core, frame)| {
             let inner = self.frame.relative(&frame);
             let within = best.map_or(limit, |best| best.distance);

@@ -1,6 +1,7 @@
 //! Creating, changing and reading bodies.
 
 use super::World;
+use super::events::{forget_body, forget_shape};
 use super::joints::remove_joints_of;
 use super::materials::{drop_material, drop_rules};
 use super::sleep::wake_slot;
@@ -14,10 +15,10 @@ use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::material::{RULE_IGNORE, RULE_MATERIAL};
 use crate::math::{Rotation, Vec3, max};
-use crate::pipeline::{integration, solid};
+use crate::pipeline::{events, integration, solid};
 use crate::pool;
 use crate::shape::{BOX_STALE, FRESH};
-use crate::state::{PAIRS_REMOVED, State, mark_shapes};
+use crate::state::{PAIRS_REMOVED, ROUSED_LEFT, State, mark_shapes};
 use crate::validate::{self, SPEED_MAX};
 use bytemuck::Zeroable;
 
@@ -69,6 +70,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         }
         state.bodies[index] = row;
         set_mass(&mut state, slot, &def.mass.unwrap_or_else(default_mass));
+        events::note_moved(&mut state, index);
         Ok(BodyHandle { index: slot, generation: state.body_generations[index] })
     }
 
@@ -91,10 +93,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             let next = state.shapes[shape as usize].next;
             drop_material(&mut state, shape);
             drop_rules(&mut state, RULE_MATERIAL, shape);
+            forget_shape(&mut state, shape as usize);
             state.shapes[shape as usize] = Zeroable::zeroed();
             pool::release(&mut state.header[0].shapes, state.shape_used, shape);
             shape = next;
         }
+        forget_body(&mut state, slot);
         state.bodies[slot] = BodyRow::zeroed();
         state.motions[slot] = Zeroable::zeroed();
         state.dirt[slot] = 0;
@@ -232,6 +236,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         state.bodies[slot].stance = rotation.pack();
         state.bodies[slot].flags &= !(STOPS_AFTER_STEP | CHANGED_SECTOR);
         mark_shapes(&mut state, slot, BOX_STALE | FRESH);
+        events::note_moved(&mut state, slot);
         Ok(())
     }
 
@@ -319,6 +324,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if row.has(ASLEEP) {
             row.flags &= !ASLEEP;
             state.header[0].asleep -= 1;
+            if !state.events.is_empty() {
+                state.news[slot / 64].roused |= 1 << (slot % 64);
+                state.header[0].event_marks |= ROUSED_LEFT;
+            }
         }
         row.set_kind(kind);
         row.flags &= !(STOPS_AFTER_STEP | body::QUARANTINED);

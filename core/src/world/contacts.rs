@@ -67,14 +67,25 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Contacts of the last step, in the order of their shapes' slots. Those of shapes that were removed, moved or
     /// changed since are left out.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        let rows = self.layout.state.contacts.of(self.state());
+        self.living(&rows[..self.header().contacts as usize])
+    }
+
+    /// Contacts of bodies that sleep, with each other and with what rests, as they were when they fell asleep;
+    /// in the order of their shapes' slots. In the step in which a body falls asleep its contacts are among
+    /// [`World::contacts`], too. Those of shapes that were removed, moved or changed since are left out.
+    pub fn sleeping_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        let rows = self.layout.state.asleep_contacts.of(self.state());
+        self.living(&rows[..self.header().asleep_contacts as usize])
+    }
+
+    /// The contacts of shapes that are what they were in the last step.
+    fn living<'a>(&'a self, rows: &'a [ContactRow]) -> impl Iterator<Item = Contact> + 'a {
         let spans = &self.layout.state;
         let used = spans.shape_used.of(self.state());
         let shapes = spans.shapes.of(self.state());
         let lives = move |slot: u32| pool::is_used(used, slot) && shapes[slot as usize].flags & FRESH == 0;
-        spans.contacts.of(self.state())[..self.header().contacts as usize]
-            .iter()
-            .filter(move |row| lives(row.pair.a) && lives(row.pair.b))
-            .map(|row| self.contact(row))
+        rows.iter().filter(move |row| lives(row.pair.a) && lives(row.pair.b)).map(|row| self.contact(row))
     }
 
     fn contact(&self, row: &ContactRow) -> Contact {

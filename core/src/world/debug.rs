@@ -56,7 +56,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             let pose = Pose::new(local.position + motion.center.minus(origin), local.rotation);
             let solid = solid(shape, &tables);
             if bounds::aabb(&solid, &pose).overlaps(&reach) {
-                let mut pen = Pen { draw: &mut *draw, color: color_of(body), reach: options.reach };
+                let color = if shape.is_sensor() { colors::SENSOR } else { color_of(body) };
+                let mut pen = Pen { draw: &mut *draw, color, reach: options.reach };
                 pen.solid(&solid, &pose);
             }
         });

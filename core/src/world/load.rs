@@ -1,5 +1,6 @@
 //! Taking state from bytes of unknown origin: accepted exactly, or refused.
 
+mod events;
 mod joints;
 mod materials;
 mod sleep;
@@ -11,12 +12,13 @@ use crate::body::{self, BodyKind, BodyRow, Motion};
 use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
+use crate::event::{BodyNews, EventRow, Tenant, Visit};
 use crate::joint::JointRow;
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::meeting;
 use crate::pool::{Marks, words};
-use crate::shape::{BOX_STALE, FRESH, Geometry, MATERIAL_SHIFT, ShapeRow};
+use crate::shape::{self, BOX_STALE, FRESH, Geometry, MATERIAL_SHIFT, ShapeRow};
 use crate::state::{AssetTables, ContactRow, Header, Pair};
 use crate::validate;
 use bytemuck::{AnyBitPattern, Zeroable};
@@ -70,6 +72,10 @@ struct Parts<'a> {
     first_joints: Rows<'a, u32>,
     materials: Rows<'a, MaterialRow>,
     pair_rules: Rows<'a, PairRule>,
+    events: Rows<'a, EventRow>,
+    tenants: Rows<'a, Tenant>,
+    visits: Rows<'a, Visit>,
+    news: Rows<'a, BodyNews>,
 }
 
 /// What rows may refer to.
@@ -123,6 +129,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             first_joints,
             materials,
             pair_rules,
+            events,
+            tenants,
+            visits,
+            news,
         ] = parts(snapshot, &sections);
         let parts = Parts {
             header,
@@ -144,6 +154,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             first_joints: Rows::new(first_joints),
             materials: Rows::new(materials),
             pair_rules: Rows::new(pair_rules),
+            events: Rows::new(events),
+            tenants: Rows::new(tenants),
+            visits: Rows::new(visits),
+            news: Rows::new(news),
         };
         let assets = self.layout.assets.header.of(self.bytes())[0];
         let limits = Limits {
@@ -181,7 +195,8 @@ impl Parts<'_> {
         self.check_pairs()?;
         self.check_contacts(&limits.tables)?;
         self.check_sleep(&limits.tables)?;
-        self.check_joints(limits)
+        self.check_joints(limits)?;
+        self.check_events()
     }
 
     fn body_is_used(&self, slot: u32) -> bool {
@@ -248,7 +263,7 @@ impl Parts<'_> {
             && is_rotation(row.pose.rotation)
             && validate::in_range("", row.density, 0.0, 1.0e9).is_ok()
             && crate::shape::check_material(row.friction, row.restitution).is_ok()
-            && row.flags & !(BOX_STALE | FRESH) & ((1 << MATERIAL_SHIFT) - 1) == 0
+            && row.flags & !shape::FLAGS_ALL & ((1 << MATERIAL_SHIFT) - 1) == 0
             && boxed
     }
 
@@ -300,7 +315,10 @@ impl Parts<'_> {
     fn can_meet(&self, pair: Pair) -> bool {
         let (a, b) = (self.shapes.get(pair.a), self.shapes.get(pair.b));
         let dynamic = |s: &ShapeRow| self.bodies.get(s.body).is_dynamic();
-        a.body != b.body && (dynamic(&a) || dynamic(&b)) && !(a.is_surface() && b.is_surface())
+        a.body != b.body
+            && (dynamic(&a) || dynamic(&b))
+            && !(a.is_surface() && b.is_surface())
+            && !(a.is_sensor() || b.is_sensor())
     }
 
     fn check_contacts(&self, assets: &AssetTables<'_>) -> Checked {

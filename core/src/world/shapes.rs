@@ -1,6 +1,7 @@
 //! Creating, changing and reading shapes.
 
 use super::World;
+use super::events::{count_shape, forget_shape};
 use super::materials::{drop_material, drop_rules, find_room, take_material};
 use super::sleep::wake_slot;
 use crate::arena::Line;
@@ -19,13 +20,17 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, or of `materials`), [`Error::WrongKind`] for a
+    /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, of `materials`, or of `sensor_visits` for a sensor
+    /// in a world without [`Capacities::sensor_visits`](crate::Capacities::sensor_visits)), [`Error::WrongKind`] for a
     /// half-space, a mesh or a height field on a dynamic body, or a number of the definition is refused; see
     /// [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;
         self.check_geometry(&def.geometry, self.kind(body)?)?;
+        if def.sensor.is_some() && self.capacities.sensor_visits == 0 {
+            return Err(Error::Full { name: "sensor_visits" });
+        }
         let mut state = self.state_view();
         let material = find_room(&state, &def.traits)?;
         let marks = &mut state.header[0].shapes;
@@ -33,6 +38,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             .ok_or(Error::Full { name: "shapes" })?;
         state.shapes[slot as usize] = ShapeRow::new(body_slot as u32, def);
         take_material(&mut state, slot, (&def.traits, material));
+        count_shape(&mut state, slot as usize);
         append(&mut state, body_slot, slot);
         wake_slot(&mut state, body_slot);
         let handle = ShapeHandle { index: slot, generation: state.shape_generations[slot as usize] };
@@ -53,6 +59,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         unlink(&mut state, body, slot as u32);
         drop_material(&mut state, slot as u32);
         drop_rules(&mut state, RULE_MATERIAL, slot as u32);
+        forget_shape(&mut state, slot);
         state.shapes[slot] = Zeroable::zeroed();
         pool::release(&mut state.header[0].shapes, state.shape_used, slot as u32);
         state.header[0].pairs_stale |= PAIRS_REMOVED;
@@ -80,6 +87,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             restitution: row.restitution,
             traits: self.traits_of(row),
             filter: row.filter,
+            sensor: row.sensor(),
+            events: row.events(),
             user: row.user,
         })
     }

@@ -49,7 +49,7 @@ impl Section {
 }
 
 /// How many sections the state has.
-pub(super) const SECTIONS: usize = 20;
+pub(super) const SECTIONS: usize = 24;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
@@ -90,6 +90,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             section!(first_joints, u32, if self.capacities.joints == 0 { 0 } else { bodies }),
             section!(materials, crate::material::MaterialRow, header.materials as usize),
             section!(pair_rules, crate::material::PairRule, header.pair_rules as usize),
+            section!(events, crate::event::EventRow, header.events as usize),
+            section!(tenants, crate::event::Tenant, if self.capacities.events == 0 { 0 } else { shapes }),
+            section!(visits, crate::event::Visit, header.visits as usize),
+            section!(news, crate::event::BodyNews, words(bodies)),
         ]
     }
 
@@ -163,7 +167,17 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Hash of what decides how the state's bytes are read.
     fn layout_hash(&self) -> u64 {
         let c = &self.capacities;
-        let state = [c.bodies, c.shapes, c.pairs, c.contacts, c.joints, c.materials, c.pair_rules];
+        let state = [
+            c.bodies,
+            c.shapes,
+            c.pairs,
+            c.contacts,
+            c.joints,
+            c.materials,
+            c.pair_rules,
+            c.events,
+            c.sensor_visits,
+        ];
         let assets = [
             c.hulls,
             c.meshes,
@@ -208,6 +222,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             (state.joints.high, c.joints),
             (state.materials, c.materials),
             (state.pair_rules, c.pair_rules),
+            (state.events, c.events),
+            (state.visits, c.sensor_visits),
         ];
         if marks.iter().any(|(mark, capacity)| mark > capacity) {
             return Err(SnapshotError::Invalid { section: "header", index: 0 });

@@ -10,9 +10,9 @@ use crate::{Memory, new_world};
 use cellstep_core::collide::height_field::HOLE;
 use cellstep_core::math::{Pose, Rotation, Vec3};
 use cellstep_core::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, CompoundChild, CompoundHandle, Error, Filter,
-    Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, Line, MassProperties, MaterialTraits,
-    MeshHandle, Position, ShapeDef, Surface, World,
+    AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, CompoundChild, CompoundHandle, Error,
+    Filter, Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, Line, MassProperties, MaterialTraits,
+    MeshHandle, Position, ShapeDef, ShapeEvents, Surface, World,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,6 +22,8 @@ pub const PAIRS_PER_SHAPE: u32 = 16;
 /// Room for contacts that a scene gets for each shape: a ball in a dense pile touches up to 12 others and a
 /// contact is shared by two; the rest is for meshes, where one pair may have several.
 pub const CONTACTS_PER_SHAPE: u32 = 8;
+/// Room for shapes in sensors that a scene with sensors gets for each shape.
+pub const VISITS_PER_SHAPE: u32 = 4;
 /// Room for pairs and for contacts that a scene gets on top: small scenes are not dense.
 pub const ROOM_BASE: u32 = 64;
 /// Most room for pairs and for contacts that a scene gets unasked: what [`Capacities`] allow.
@@ -38,7 +40,8 @@ pub struct Build {
 }
 
 /// The room that a scene gets: as many bodies, shapes and assets as it has; [`PAIRS_PER_SHAPE`] and
-/// [`CONTACTS_PER_SHAPE`] for each shape and [`ROOM_BASE`] more; where the document names a capacity, that.
+/// [`CONTACTS_PER_SHAPE`], and with sensors [`VISITS_PER_SHAPE`], for each shape and [`ROOM_BASE`] more; no events;
+/// where the document names a capacity, that.
 ///
 /// `vertices` and `triangles` are those of all meshes together.
 pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacities {
@@ -46,11 +49,14 @@ pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacitie
     let given = &scene.capacities;
     let shapes = given.shapes.unwrap_or(count(scene.shape_count()));
     let room = |per_shape: u32| shapes.saturating_mul(per_shape).saturating_add(ROOM_BASE).min(ROOM_MAX);
+    let visits = if scene.sensor_count() == 0 { 0 } else { room(VISITS_PER_SHAPE).min(1 << 20) };
     Capacities {
         bodies: given.bodies.unwrap_or(count(scene.bodies.len())),
         shapes,
         pairs: given.pairs.unwrap_or(room(PAIRS_PER_SHAPE)),
         contacts: given.contacts.unwrap_or(room(CONTACTS_PER_SHAPE)),
+        sensor_visits: given.sensor_visits.unwrap_or(visits),
+        events: given.events.unwrap_or(0),
         hulls: count(scene.hulls.len()),
         meshes: count(scene.meshes.len()),
         mesh_vertices: count(vertices),
@@ -322,14 +328,17 @@ fn shape_def(doc: &ShapeDoc, scene: &Scene, assets: &Assets<'_>) -> ShapeDef {
     let geometry = geometry(&doc.geometry, assets);
     let material =
         doc.material.as_ref().map_or_else(MaterialDoc::default, |name| scene.materials[name].clone());
+    let massless = doc.sensor && doc.material.is_none();
     ShapeDef {
         geometry,
         pose: Pose::new(Vec3::from(doc.position), checked(&doc.rotation)),
-        density: material.density,
+        density: if massless { 0.0 } else { material.density },
         friction: material.friction,
         restitution: material.restitution,
         traits: material.traits(),
         filter: Filter { category: doc.filter.category, mask: doc.filter.mask, group: doc.filter.group },
+        sensor: doc.sensor.then_some(BodyKinds::MOVING),
+        events: ShapeEvents::NONE,
         user: doc.user,
     }
 }

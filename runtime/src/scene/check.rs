@@ -30,6 +30,8 @@ const ONE_WAY_MAX: f32 = 1.0e6;
 const ONE_WAY_MIN: f64 = 1.0e-5;
 /// Greatest coefficient of friction.
 const FRICTION_MAX: f32 = 1.0e6;
+/// Greatest number of events, and of shapes in sensors.
+const EVENTS_MAX: u64 = 1 << 20;
 /// Greatest density, kg/m^3.
 const DENSITY_MAX: f32 = 1.0e9;
 /// Range of masses, kg, and of moments of inertia, kg m^2.
@@ -80,6 +82,8 @@ fn sizes(scene: &Scene, limits: &Limits) -> Checked {
         ("shapes", counts.shapes, scene.shape_count(), limits.shapes),
         ("pairs", counts.pairs, 0, limits.contacts),
         ("contacts", counts.contacts, 0, limits.contacts),
+        ("sensor_visits", counts.sensor_visits, usize::from(scene.sensor_count() > 0), EVENTS_MAX),
+        ("events", counts.events, 0, EVENTS_MAX),
     ];
     for (name, count, least, most) in given {
         let Some(count) = count else { continue };

@@ -98,6 +98,12 @@ pub struct CapacitiesDoc {
     /// Pairs with rules of their own; none when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_rules: Option<u32>,
+    /// Shapes in sensors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor_visits: Option<u32>,
+    /// Events of a step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub events: Option<u32>,
 }
 
 /// A convex hull.
@@ -321,6 +327,10 @@ pub struct ShapeDoc {
     /// What it collides with.
     #[serde(default, skip_serializing_if = "is_default")]
     pub filter: FilterDoc,
+    /// Whether it only detects shapes of bodies that may move, without contacts; it has no mass unless a material
+    /// is named.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub sensor: bool,
     /// The game's own number.
     #[serde(default, skip_serializing_if = "is_default")]
     pub user: u64,
@@ -335,6 +345,7 @@ impl ShapeDoc {
             position: [0.0; 3],
             rotation: RotationDoc::default(),
             filter: FilterDoc::default(),
+            sensor: false,
             user: 0,
         }
     }
@@ -442,6 +453,11 @@ impl Scene {
     /// Number of shapes of all bodies.
     pub fn shape_count(&self) -> usize {
         self.bodies.iter().map(|body| body.shapes.len()).sum()
+    }
+
+    /// Sensors of all bodies.
+    pub fn sensor_count(&self) -> usize {
+        self.bodies.iter().flat_map(|body| &body.shapes).filter(|shape| shape.sensor).count()
     }
 
     /// Number of surfaces of all meshes and height fields.
