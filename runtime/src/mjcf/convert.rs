@@ -2,18 +2,29 @@
 //!
 //! Mass properties are written out for every body, so that densities play no part. Geoms that collide with nothing
 //! are left out: nothing of what they do is lost.
+//!
+//! The armature of joints, the inertia of rotors that turn with them, goes to the body that they move: that of a
+//! hinge as a moment of inertia about its axis, that of a ball about all axes, that of a slide as mass without
+//! weight. So it resists the motion of the body where MuJoCo resists that of the joint; they are the same where the
+//! body around it does not move. Where a moment then exceeds the sum of the others, which no solid has and a scene
+//! refuses, the others are raised.
 
-use super::math::{Placement, Turn};
+mod axes;
+mod links;
+
+use super::math::{Placement, Turn, Vector, add, scaled};
 use super::mesh;
-use super::model::{Body, BodyKind, Form, Geom, Mass, Model};
+use super::model::{Body, BodyKind, Form, Geom, Joint, Mass, Model, Motion};
 use super::warning::{Effect, Warning};
 use crate::scene::format::{
     BodyDoc, FilterDoc, GeometryDoc, HullDoc, KindDoc, MassDoc, MaterialDoc, RotationDoc,
     SHAPES_PER_BODY_MAX, SettingsDoc, ShapeDoc,
 };
 use crate::scene::{Problem, Scene, SceneError};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+/// Seconds of rest after which imported bodies sleep.
+const SLEEP_TIME: f32 = 0.5;
 /// Substeps of a scene take about as long as the engine's own default, 1/240 s.
 const SUBSTEPS_PER_SECOND: f64 = 240.0;
 /// Bits of a filter.
@@ -32,46 +43,37 @@ pub struct Conversion {
 }
 
 impl Model {
-    /// Makes a scene of a model whose bodies are fixed, free, or moved from outside.
+    /// Makes a scene of a model.
     ///
     /// # Errors
-    /// [`Problem::Invalid`] for a model with joints, equalities in force or ropes, which scenes do not have, and
-    /// for more than 32 kinds of contact bits that differ in what they collide with.
+    /// [`Problem::Invalid`] for more than 32 kinds of contact bits that differ in what they collide with.
     pub fn to_scene(&self) -> Result<Conversion, SceneError> {
-        self.check_links()?;
-        let mut making = Making { model: self, scene: Scene::default(), filters: self.filters()? };
+        let mut making = Making {
+            model: self,
+            scene: Scene::default(),
+            filters: self.filters()?,
+            joints: self.joints.iter().map(|joint| (joint.child, joint)).collect(),
+            places: Vec::new(),
+            names: BTreeSet::new(),
+            losses: Vec::new(),
+        };
         making.scene.description.clone_from(&self.name);
         making.scene.gravity = self.options.gravity.map(|x| x as f32);
         let substeps = (self.options.timestep * SUBSTEPS_PER_SECOND).ceil().clamp(1.0, 256.0) as u32;
         making.scene.settings = SettingsDoc {
             dt: Some(self.options.timestep as f32),
             substeps: Some(substeps),
+            sleep_time: Some(SLEEP_TIME),
             ..SettingsDoc::default()
         };
-        for body in &self.bodies {
-            making.body(body);
+        for (index, body) in self.bodies.iter().enumerate() {
+            making.body(index, body);
         }
+        making.links();
         let mut warnings = self.warnings.clone();
         warnings.extend(self.losses());
+        warnings.extend(making.losses.iter().map(|&(what, count)| lost(what, count)));
         Ok(Conversion { scene: making.scene, warnings })
-    }
-
-    /// Refuses what scenes cannot hold together.
-    fn check_links(&self) -> Result<(), SceneError> {
-        let equalities = self.equalities.iter().filter(|equality| equality.active).count();
-        let found = [("joints", self.joints.len()), ("equalities", equalities), ("ropes", self.ropes.len())];
-        let found: Vec<String> = found
-            .into_iter()
-            .filter(|found| found.1 > 0)
-            .map(|(what, count)| format!("{count} {what}"))
-            .collect();
-        if found.is_empty() {
-            return Ok(());
-        }
-        let found = format!("found {}", found.join(", "));
-        let expected = "a model whose bodies are free or fixed: scenes have no joints";
-        let problem = Problem::Invalid { found, expected: expected.to_string() };
-        Err(SceneError { file: None, at: None, path: String::new(), problem })
     }
 
     /// What a scene says otherwise than the model.
@@ -86,18 +88,8 @@ impl Model {
             ),
             ("geom/condim other than 3", count(&|g| g.condim != 3)),
             ("ellipsoid as a hull of 58 points", count(&|g| matches!(g.form, Form::Ellipsoid { .. }))),
-            ("contact/exclude", self.excludes.len()),
-            ("actuator", self.actuators.len()),
         ];
-        let found = losses.into_iter().filter(|loss| loss.1 > 0);
-        let warning = |(what, count): (&str, usize)| Warning {
-            effect: Effect::Motion,
-            what: what.to_string(),
-            count,
-            file: None,
-            at: None,
-        };
-        found.map(warning).collect()
+        losses.into_iter().filter(|loss| loss.1 > 0).map(|(what, count)| lost(what, count)).collect()
     }
 
     /// True for a geom that collides with some geom of the model, were it in reach.
@@ -142,16 +134,61 @@ impl Model {
     }
 }
 
+fn lost(what: &str, count: usize) -> Warning {
+    Warning { effect: Effect::Motion, what: what.to_string(), count, file: None, at: None }
+}
+
 struct Making<'a> {
     model: &'a Model,
     scene: Scene,
     filters: BTreeMap<(u32, u32), Option<FilterDoc>>,
+    /// The joint that moves each body.
+    joints: BTreeMap<usize, &'a Joint>,
+    /// Where the bodies of the model are among those of the scene; the world may be at several places, or at none.
+    places: Vec<std::ops::Range<u32>>,
+    /// Names that are taken.
+    names: BTreeSet<&'a str>,
+    /// What is not as the model says, and how often.
+    losses: Vec<(&'static str, usize)>,
 }
 
-impl Making<'_> {
-    fn body(&mut self, body: &Body) {
+impl<'a> Making<'a> {
+    /// Counts what is not as the model says.
+    fn lose(&mut self, what: &'static str, count: usize) {
+        match self.losses.iter_mut().find(|loss| loss.0 == what) {
+            Some(loss) => loss.1 += count,
+            None if count > 0 => self.losses.push((what, count)),
+            None => {}
+        }
+    }
+
+    /// True for a geom that is a shape of the scene.
+    fn collides(&self, geom: &Geom) -> bool {
+        self.filters[&(geom.contype, geom.conaffinity)].is_some()
+    }
+
+    /// The first place of a body in the scene.
+    fn place_of(&self, body: usize) -> u32 {
+        self.places[body].start
+    }
+
+    /// All places of a body in the scene.
+    fn places_of(&self, body: usize) -> std::ops::Range<u32> {
+        self.places[body].clone()
+    }
+
+    fn body(&mut self, index: usize, body: &'a Body) {
+        let start = self.scene.bodies.len() as u32;
+        self.add_body(index, body);
+        self.places.push(start..self.scene.bodies.len() as u32);
+    }
+
+    fn add_body(&mut self, index: usize, body: &'a Body) {
+        let (mass, weight) = self.mass(index, body);
+        let named = !body.name.is_empty() && self.names.insert(&body.name);
         let shapes: Vec<ShapeDoc> = body.geoms.iter().filter_map(|geom| self.shape(geom)).collect();
         let doc = BodyDoc {
+            name: named.then(|| body.name.clone()),
             kind: match body.kind {
                 BodyKind::Fixed => KindDoc::Static,
                 BodyKind::Mocap => KindDoc::Kinematic,
@@ -159,8 +196,8 @@ impl Making<'_> {
             },
             position: body.placement.position,
             rotation: rotation(body.placement.turn),
-            gravity_scale: (1.0 - body.gravity_compensation) as f32,
-            mass: body.mass.filter(|_| body.kind == BodyKind::Free).as_ref().map(mass),
+            gravity_scale: ((1.0 - body.gravity_compensation) * weight) as f32,
+            mass: mass.as_ref().map(self::mass),
             ..BodyDoc::default()
         };
         if body.kind != BodyKind::Fixed {
@@ -170,6 +207,37 @@ impl Making<'_> {
         for shapes in shapes.chunks(SHAPES_PER_BODY_MAX) {
             self.scene.bodies.push(BodyDoc { shapes: shapes.to_vec(), ..doc.clone() });
         }
+        if shapes.is_empty() && self.is_held(index) {
+            self.scene.bodies.push(doc);
+        }
+    }
+
+    /// True when something is joined to a body.
+    fn is_held(&self, body: usize) -> bool {
+        let model = self.model;
+        model.joints.iter().any(|joint| joint.parent == body)
+            || model.equalities.iter().any(|e| e.active && (e.a.0 == body || e.b.0 == body))
+            || model.ropes.iter().any(|rope| rope.a.body == body || rope.b.body == body)
+            || model.excludes.iter().any(|exclude| exclude.bodies.contains(&body))
+            || !model.actuators.is_empty()
+    }
+
+    /// What a body weighs with the armature of its joint, and its share of gravity.
+    fn mass(&mut self, index: usize, body: &Body) -> (Option<Mass>, f64) {
+        let moves = matches!(body.kind, BodyKind::Free | BodyKind::Jointed);
+        let Some(mut mass) = body.mass.filter(|_| moves) else { return (None, 1.0) };
+        let own = mass.mass;
+        let parts = self.joints.get(&index).map_or(&[][..], |joint| &joint.parts);
+        let rotors = parts.iter().filter(|part| part.armature > 0.0);
+        self.lose("joint/armature: as inertia of the body, not of the joint", rotors.clone().count());
+        for part in rotors {
+            match part.motion {
+                Motion::Hinge => mass = with_moment(&mass, part.axis, part.armature),
+                Motion::Ball => mass.inertia = mass.inertia.map(|moment| moment + part.armature),
+                Motion::Slide => mass.mass += part.armature,
+            }
+        }
+        (Some(possible(mass)), own / mass.mass)
     }
 
     fn shape(&mut self, geom: &Geom) -> Option<ShapeDoc> {
@@ -220,6 +288,27 @@ impl Making<'_> {
         self.scene.materials.entry(name.clone()).or_insert(surface);
         name
     }
+}
+
+/// With a moment of inertia about a unit axis, kg m2.
+fn with_moment(mass: &Mass, axis: Vector, moment: f64) -> Mass {
+    let mut tensor = mass.tensor();
+    for (row, x) in tensor.iter_mut().zip(axis) {
+        *row = add(*row, scaled(axis, moment * x));
+    }
+    Mass::of_tensor(mass.mass, mass.center, tensor)
+}
+
+/// With the two lesser moments raised alike until they reach the third.
+fn possible(mut mass: Mass) -> Mass {
+    let [x, y, z] = mass.inertia;
+    for (index, excess) in [x - y - z, y - z - x, z - x - y].into_iter().enumerate() {
+        if excess > 0.0 {
+            mass.inertia[(index + 1) % 3] += 0.5 * excess;
+            mass.inertia[(index + 2) % 3] += 0.5 * excess;
+        }
+    }
+    mass
 }
 
 fn mass(mass: &Mass) -> MassDoc {

@@ -79,8 +79,11 @@ const LIMBS: [Limb; 11] = [
     ([0.0, -0.11, 0.28], [0.0, 0.0, 0.16], 0.06),
 ];
 
-/// Bodies of a ragdoll with balls between them: where, the way of the limb, and how far it goes off it and twists.
-const BALLS: [((usize, usize), [f64; 3], RotationDoc, [f32; 2]); 6] = [
+/// Two parts of a ragdoll, the point of their joint, how its frames are turned, and two numbers of its range.
+type Link = ((usize, usize), [f64; 3], RotationDoc, [f32; 2]);
+
+/// Parts of a ragdoll with balls between them, and how far these go off their axis and twist, radians.
+const BALLS: [Link; 6] = [
     ((0, 1), [0.0, 0.0, 1.15], X_TO_Z, [0.5, 0.5]),
     ((1, 2), [0.0, 0.0, 1.5], X_TO_Z, [0.6, 0.8]),
     ((1, 3), [0.0, 0.25, 1.38], X_TO_Y, [1.4, 1.0]),
@@ -95,7 +98,7 @@ const BALLS: [((usize, usize), [f64; 3], RotationDoc, [f32; 2]); 6] = [
 ];
 
 /// Elbows and knees, with the axes of their hinges and how far they bend, radians.
-const HINGES: [((usize, usize), [f64; 3], RotationDoc, [f32; 2]); 4] = [
+const HINGES: [Link; 4] = [
     ((3, 4), [0.0, 0.55, 1.38], X_TO_Z, [-2.4, 0.0]),
     ((5, 6), [0.0, -0.55, 1.38], X_TO_Z, [0.0, 2.4]),
     ((7, 8), [0.0, 0.11, 0.5], X_TO_Y, [0.0, 2.4]),
