@@ -21,6 +21,7 @@ mod error;
 mod handle;
 pub mod joint;
 mod lanes;
+mod material;
 mod pipeline;
 mod pool;
 mod query;
@@ -41,6 +42,7 @@ pub use handle::{
     BodyHandle, CompoundHandle, HeightFieldHandle, HullHandle, JointHandle, MeshHandle, ShapeHandle,
 };
 pub use joint::{Axis, AxisMotion, Coupling, Drive, JointDef, Spring};
+pub use material::{MaterialTraits, Mix, PairMaterial};
 pub use query::{
     BodyKinds, ClosestPoint, Found, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region,
     ShapeCast,

@@ -18,6 +18,7 @@ pub(crate) mod narrowphase;
 pub(crate) mod ordering;
 pub(crate) mod query_trees;
 pub(crate) mod rows;
+pub(crate) mod rules;
 pub(crate) mod seat;
 pub(crate) mod sleep;
 pub(crate) mod solver;
@@ -81,6 +82,9 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let mut crew = Crew { executor, barriers: 0, is_alone };
     crew.executor.enter(Stage::Broadphase);
     let moved = broadphase::run(state, (assets, settings.dt), (cache, scratch), (&mut crew, &mut counts));
+    if state.header[0].pair_rules > 0 {
+        rules::end_ignored(state, (assets, settings.dt));
+    }
     let woken = sleep::wake(state, (assets, settings.dt), (cache, scratch), &mut counts);
     crew.executor.enter(Stage::Narrowphase);
     let looks = (&*assets, settings.dt, moved, woken);
@@ -98,6 +102,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         groups: &cache.groups[..plan.groups],
         links: scratch.link_rows,
         points: scratch.point_rows,
+        resists: scratch.resist_rows,
         joints: JointRows {
             links: scratch.joint_links,
             locks: scratch.lock_rows,

@@ -7,6 +7,7 @@ pub(crate) use crate::collide::{
 use crate::config;
 use crate::error::Error;
 use crate::handle::{CompoundHandle, HeightFieldHandle, HullHandle, MeshHandle};
+use crate::material::{MaterialRow, MaterialTraits};
 use crate::math::{Aabb, Pose, Vec3};
 use crate::validate::{self, EXTENT_MAX, EXTENT_MIN};
 use bytemuck::{Pod, Zeroable};
@@ -181,10 +182,13 @@ pub struct ShapeDef {
     pub pose: Pose,
     /// kg/m3, 0..=1e9; 0 adds no mass.
     pub density: f32,
-    /// Coefficient of friction, 0..=1e6; two shapes mix by the geometric mean.
+    /// Coefficient of friction, 0..=1e6; two shapes mix by the geometric mean, unless their traits say otherwise.
     pub friction: f32,
-    /// Share of the approach speed that comes back, 0..=1; two shapes mix by the maximum.
+    /// Share of the approach speed that comes back, 0..=1; two shapes mix by the maximum, unless their traits
+    /// say otherwise.
     pub restitution: f32,
+    /// What its surface does beside.
+    pub traits: MaterialTraits,
     /// Which shapes it meets.
     pub filter: Filter,
     /// Yours; part of the state.
@@ -200,6 +204,7 @@ impl ShapeDef {
             density: 1000.0,
             friction: 0.6,
             restitution: 0.0,
+            traits: MaterialTraits::default(),
             filter: Filter::default(),
             user: 0,
         }
@@ -210,6 +215,7 @@ impl ShapeDef {
         self.geometry.check()?;
         validate::pose("pose", &self.pose)?;
         validate::in_range("density", self.density, 0.0, 1.0e9)?;
+        self.traits.check()?;
         check_material(self.friction, self.restitution)
     }
 }
@@ -246,7 +252,7 @@ pub(crate) struct ShapeRow {
     pub filter: Filter,
     /// Box with a margin, relative to the middle of the sector of the body's center.
     pub fat_box: Aabb,
-    /// `BOX_STALE`, `FRESH`.
+    /// `BOX_STALE`, `FRESH`; in the upper half the index of the material's row, plus 1.
     pub flags: u32,
 }
 
@@ -254,6 +260,8 @@ pub(crate) struct ShapeRow {
 pub(crate) const BOX_STALE: u32 = 1;
 /// The shape is new in its slot, or changed: impulses of its contacts are not carried over.
 pub(crate) const FRESH: u32 = 2;
+/// Flags from this bit on are the index of the material's row, plus 1.
+pub(crate) const MATERIAL_SHIFT: u32 = 16;
 
 impl ShapeRow {
     pub fn new(body: u32, def: &ShapeDef) -> Self {
@@ -288,6 +296,21 @@ impl ShapeRow {
     #[inline(always)]
     pub fn asset(&self) -> u32 {
         self.size[0].to_bits()
+    }
+
+    /// Index of the row of what the material has beyond friction and restitution.
+    pub fn material(&self) -> Option<u32> {
+        (self.flags >> MATERIAL_SHIFT).checked_sub(1)
+    }
+
+    pub fn set_material(&mut self, index: Option<u32>) {
+        let bits = index.map_or(0, |index| index + 1) << MATERIAL_SHIFT;
+        self.flags = self.flags & ((1 << MATERIAL_SHIFT) - 1) | bits;
+    }
+
+    /// What the material has beyond friction and restitution.
+    pub fn traits<'a>(&self, materials: &'a [MaterialRow]) -> &'a MaterialRow {
+        self.material().map_or(&MaterialRow::NONE, |index| &materials[index as usize])
     }
 
     /// Half-spaces, meshes and height fields have no inside to push out of, and never meet each other.

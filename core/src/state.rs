@@ -13,9 +13,10 @@ pub(crate) use crate::collide::hull::HullRow;
 use crate::collide::tree;
 use crate::config::SettingsRow;
 use crate::constraint::joint::{BoundRow, JointLink, LockRow};
-use crate::constraint::row::{LinkRow, PointRow};
+use crate::constraint::row::{LinkRow, PointRow, ResistRow};
 use crate::joint::JointRow;
 use crate::lanes::Words;
+use crate::material::{MaterialRow, PairRule};
 use crate::math::{Aabb, Rotation, Vec3};
 use crate::pipeline::layout::{Group, Plan, links_max, mover_rows_max, seats_max};
 use crate::pipeline::mover::MoverRow;
@@ -60,6 +61,10 @@ pub(crate) struct Header {
     pub wakes: u32,
     /// Zero.
     pub reserved: u32,
+    /// One above the highest row of `materials` in use.
+    pub materials: u32,
+    /// Rows of `pair_rules` in use.
+    pub pair_rules: u32,
 }
 
 /// Limits, drives and frictions for each joint of the capacity, in all.
@@ -86,9 +91,10 @@ pub(crate) struct ContactRow {
     /// See [`Tag`].
     pub tag: Tag,
     /// Settled contact: the pose at which its points were found; `pipeline/meeting.rs` tells when they are found
-    /// anew. Else the features of the points, and 0.
+    /// anew. Else the features of the points, and 0 or the bits of the resistance's third component.
     pub memory: [u32; 5],
-    /// Normal impulses of the points, N s, not negative.
+    /// Normal impulses of the points, N s, not negative. Of one or two points that resist rolling or spinning the
+    /// last two are components of the resistance; see [`ContactRow::resistance`].
     pub impulses: [f32; 4],
     /// Friction impulse on the body of shape B, N s, in the world.
     pub friction: Vec3,
@@ -100,6 +106,20 @@ impl ContactRow {
     /// Sort key of the pool: pair, then child.
     pub fn key(&self) -> (Pair, u32) {
         (self.pair, self.tag.child())
+    }
+
+    /// True when there is a place for the impulse of a resistance.
+    pub fn can_resist(&self) -> bool {
+        self.tag.points() <= 2 && !self.tag.is_settled()
+    }
+
+    /// Impulse of the torque that resists rolling and spinning on the body of shape B, N m s in the world.
+    pub fn resistance(&self) -> Vec3 {
+        Vec3::new(self.impulses[2], self.impulses[3], f32::from_bits(self.memory[4]))
+    }
+
+    pub fn set_resistance(&mut self, torque: Vec3) {
+        (self.impulses[2], self.impulses[3], self.memory[4]) = (torque.x, torque.y, torque.z.to_bits());
     }
 }
 
@@ -174,6 +194,10 @@ region! {
         joint_used: u64 = words(c.joints as usize),
         /// The first joint of each body: its slot plus 1, or 0. Of no length without joints.
         first_joints: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        /// What shapes have beyond friction and restitution; rows without use are zero.
+        materials: MaterialRow = c.materials as usize,
+        /// Sorted by key, distinct.
+        pair_rules: PairRule = c.pair_rules as usize,
     }
 }
 
@@ -302,7 +326,8 @@ pub(crate) struct Touch {
     pub restitution: f32,
     /// From the center of body A to that of body B.
     pub centers: Vec3,
-    /// 1 when the separations follow from the memo's points and the poses; 0 when the memo gives them.
+    /// 1 when the separations follow from the memo's points and the poses; 0 when the memo gives them; -1 when it
+    /// does and a surface moves, or resists rolling or spinning.
     pub settled: f32,
 }
 
@@ -406,6 +431,8 @@ region! {
         /// First lock and first bound of each row of joints.
         joint_firsts: [u32; 2] = c.joints as usize,
         link_rows: LinkRow = c.contacts as usize,
+        /// Resistance of each row of links that has some.
+        resist_rows: ResistRow = if c.materials == 0 { 0 } else { c.contacts as usize },
         point_rows: PointRow = 4 * c.contacts as usize,
         seats: Seat = seats_max(c),
         /// First point of each row.

@@ -10,6 +10,7 @@ mod forces;
 mod height_fields;
 mod joints;
 mod load;
+mod materials;
 mod queries;
 mod shapes;
 mod sleep;
@@ -63,6 +64,10 @@ pub struct Capacities {
     pub compound_children: u32,
     /// Surfaces of all meshes and height fields, at most 2^20.
     pub surfaces: u32,
+    /// Distinct [`MaterialTraits`](crate::MaterialTraits) of shapes, at most 65535.
+    pub materials: u32,
+    /// Pairs of shapes with a material of their own and pairs of bodies that ignore each other, at most 2^20.
+    pub pair_rules: u32,
 }
 
 impl Capacities {
@@ -83,6 +88,8 @@ impl Capacities {
             compounds: 0,
             compound_children: 0,
             surfaces: 0,
+            materials: 0,
+            pair_rules: 0,
         }
     }
 
@@ -109,6 +116,8 @@ impl Capacities {
             ("compounds", self.compounds, 1 << 16),
             ("compound_children", self.compound_children, 1 << 20),
             ("surfaces", self.surfaces, 1 << 20),
+            ("materials", self.materials, 0xffff << shift),
+            ("pair_rules", self.pair_rules, 1 << 20),
         ];
         for (name, value, limit) in limits {
             if value > limit >> shift {

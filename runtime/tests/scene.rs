@@ -160,9 +160,24 @@ fn full() -> Scene {
             pairs: Some(0),
             contacts: Some(1),
             joints: Some(20),
+            materials: Some(3),
+            pair_rules: Some(2),
         },
-        materials: [("wood".to_string(), MaterialDoc { friction: 0.1, restitution: 0.2, density: 0.3 })]
-            .into(),
+        materials: [(
+            "wood".to_string(),
+            MaterialDoc {
+                friction: 0.1,
+                restitution: 0.2,
+                density: 0.3,
+                friction_mix: MixDoc::Max,
+                restitution_mix: MixDoc::Min,
+                rolling: 0.01,
+                spinning: 0.02,
+                surface_velocity: [1.0, 0.0, -2.0],
+                one_way: Some([0.0, 0.0, 1.0]),
+            },
+        )]
+        .into(),
         hulls: [("a.b[0]\"\\ä".to_string(), HullDoc { points })].into(),
         meshes: [("plate".to_string(), inline), ("file".to_string(), obj)].into(),
         height_fields: [("plate".to_string(), field)].into(),

@@ -8,9 +8,10 @@
 //! and `s` the tangents; `h` the substep.
 
 mod bounce;
+mod resist;
 mod shift;
 
-use super::row::{Bias, LinkRow, PointRow};
+use super::row::{Bias, LinkRow, PointRow, ResistRow};
 use super::velocities::Velocities;
 use crate::lanes::{Lane, LaneVec, transpose};
 use crate::pipeline::seat::Seat;
@@ -51,10 +52,15 @@ pub(crate) struct Sweep {
     pub restitution_threshold: f32,
 }
 
-/// Visits all rows of a group in their order.
-pub(crate) fn visit(sweep: &Sweep, rows: &mut [LinkRow], points: &mut [PointRow], seats: &mut [Seat]) {
+/// Visits all rows of a group in their order. `resists` has a row for each, or none where nothing resists.
+pub(crate) fn visit(
+    sweep: &Sweep,
+    (rows, resists): (&mut [LinkRow], &mut [ResistRow]),
+    points: &mut [PointRow],
+    seats: &mut [Seat],
+) {
     let mut rest = points;
-    for row in rows {
+    for (i, row) in rows.iter_mut().enumerate() {
         let (points, after) = rest.split_at_mut(row.points as usize);
         rest = after;
         if sweep.pass == Pass::Bounce && row.bounces == 0 {
@@ -66,6 +72,11 @@ pub(crate) fn visit(sweep: &Sweep, rows: &mut [LinkRow], points: &mut [PointRow]
             2 => visit_row::<2>(sweep, row, points, seats),
             3 => visit_row::<3>(sweep, row, points, seats),
             _ => visit_row::<4>(sweep, row, points, seats),
+        }
+        if row.resists != 0
+            && let Some(resist) = resists.get_mut(i)
+        {
+            resist::visit(sweep, row, (points, resist), seats);
         }
     }
 }

@@ -36,8 +36,10 @@ pub(crate) struct LinkRow {
     pub surfaces: u32,
     /// 1 when the next biased sweep has to apply `turn`.
     pub turns: u32,
+    /// 1 when a lane resists rolling or spinning: then its row of resistances serves.
+    pub resists: u32,
     /// Zero.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
     // What every sweep reads comes first.
     pub normal: LaneVec,
     pub tangent: LaneVec,
@@ -114,6 +116,25 @@ pub(crate) struct PointRow {
     /// Energy over mass with which the point is to leave, m2/s2; in the bounce sweep its speed, m/s. 0 when it does
     /// not bounce.
     pub bounce: Lane,
+}
+
+/// Resistance of eight links to rolling and spinning. All 0 in a lane without.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct ResistRow {
+    /// Jacobians of the relative turning about the tangents and the normal: W t, W s, W n.
+    pub turns_a: [LaneVec; 3],
+    pub turns_b: [LaneVec; 3],
+    /// Step about both tangents: 1 / greatest eigenvalue of their 2x2 block, kg m2.
+    pub roll_mass: Lane,
+    pub spin_mass: Lane,
+    /// Greatest torque as a share of the force of contact, metres.
+    pub rolling: Lane,
+    pub spinning: Lane,
+    /// How an immovable B turns about the three axes, rad/s.
+    pub surface: LaneVec,
+    /// Impulses about them, N m s.
+    pub impulse: LaneVec,
 }
 
 /// How contacts are biased, from the settings.

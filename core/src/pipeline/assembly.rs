@@ -3,10 +3,11 @@
 use crate::body::{BodyRow, Motion};
 use crate::cells::Link;
 use crate::config::{CONTACT_COUPLING, ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
-use crate::constraint::row::{Bias, LinkRow, PointRow};
+use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
+use crate::material::MaterialRow;
 use crate::math::{PI, Vec3};
 use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::joints;
@@ -14,7 +15,7 @@ use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
-use crate::pipeline::solver::{self, JointRows, take};
+use crate::pipeline::solver::{self, JointRows, take, take_resists};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
@@ -27,6 +28,7 @@ const PREPARE_BODIES: usize = 128;
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a> {
     pub shapes: &'a [ShapeRow],
+    pub materials: &'a [MaterialRow],
     pub bodies: &'a [BodyRow],
     pub motions: &'a [Motion],
     /// Frames of the shapes from their bodies' centers.
@@ -127,6 +129,7 @@ pub(crate) fn fill<E: Executor>(
         bodies: state.bodies,
         motions: state.motions,
         shapes: state.shapes,
+        materials: state.materials,
         frames: scratch.frames,
         stances: scratch.stances,
         active: scratch.active,
@@ -147,6 +150,7 @@ pub(crate) fn fill<E: Executor>(
     let mut links = &mut scratch.link_rows[..plan.rows];
     let mut points = &mut scratch.point_rows[..plan.points];
     let mut first_points = &mut scratch.row_points[..plan.rows];
+    let mut resists = &mut *scratch.resist_rows;
     let mut seats = &mut scratch.seats[..plan.seats];
     let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize / LANES];
     let mut joints = JointRows {
@@ -169,6 +173,7 @@ pub(crate) fn fill<E: Executor>(
             links: take(&mut links, sum(|g| g.rows)),
             points: take(&mut points, sum(|g| g.points)),
             first_points: take(&mut first_points, sum(|g| g.rows)),
+            resists: take_resists(&mut resists, sum(|g| g.rows) as u32),
             seats: take(&mut seats, sum(|g| g.seats)),
             movers: take(&mut movers, movers_count),
             joints: joints.take_all(groups),
@@ -195,6 +200,8 @@ struct Task<'a> {
     points: &'a mut [PointRow],
     /// First point of each row.
     first_points: &'a mut [u32],
+    /// Resistance of each row; none in a world without materials.
+    resists: &'a mut [ResistRow],
     seats: &'a mut [Seat],
     movers: &'a mut [MoverRow],
     joints: JointRows<'a>,
@@ -203,7 +210,7 @@ struct Task<'a> {
 impl Task<'_> {
     fn fill(&mut self, scene: &Scene<'_>, lanes: &Lanes<'_>) {
         let (mut links, mut points) = (&mut *self.links, &mut *self.points);
-        let mut firsts = &mut *self.first_points;
+        let (mut firsts, mut resists) = (&mut *self.first_points, &mut *self.resists);
         let (mut seats, mut movers) = (&mut *self.seats, &mut *self.movers);
         for group in self.groups.iter_mut() {
             let own_seats = take(&mut seats, group.seats as usize);
@@ -218,10 +225,11 @@ impl Task<'_> {
             group.bounces = 0;
             let first = group.first_row as usize;
             let rows = take(&mut links, group.rows as usize).iter_mut();
+            let own_resists = take_resists(&mut resists, group.rows);
             let mut next_point = group.first_point;
             for (i, (row, first_point)) in rows.zip(take(&mut firsts, group.rows as usize)).enumerate() {
                 let lanes = (&lanes.contacts[first + i], &lanes.contact_seats[first + i]);
-                rows::fill(scene, row, lanes, &mut own_points);
+                rows::fill(scene, (row, own_resists.get_mut(i)), lanes, &mut own_points);
                 *first_point = next_point;
                 next_point += row.points;
                 group.bounces |= row.bounces;

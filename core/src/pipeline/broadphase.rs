@@ -254,7 +254,7 @@ pub(crate) fn tree_box(state: &State<'_>, slot: u32, sector: [i32; 3]) -> Aabb {
 }
 
 /// True when two shapes' fat boxes overlap, whatever their sectors.
-fn boxes_overlap(state: &State<'_>, a: u32, b: u32) -> bool {
+pub(crate) fn boxes_overlap(state: &State<'_>, a: u32, b: u32) -> bool {
     let (sa, sb) = (&state.shapes[a as usize], &state.shapes[b as usize]);
     let sector =
         |s: &ShapeRow| Position { sector: state.motions[s.body as usize].center.sector, offset: Vec3::ZERO };
@@ -264,7 +264,7 @@ fn boxes_overlap(state: &State<'_>, a: u32, b: u32) -> bool {
 }
 
 /// True when two shapes can make contacts at all.
-fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
+pub(crate) fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
     let (sa, sb) = (&state.shapes[a as usize], &state.shapes[b as usize]);
     let dynamic = |s: &ShapeRow| state.bodies[s.body as usize].is_dynamic();
     sa.body != sb.body

@@ -13,6 +13,7 @@ use crate::pipeline::integration;
 use crate::pipeline::joints::begin_anew;
 use crate::pipeline::layout::Plan;
 use crate::pipeline::mover::{MoverRow, angular_velocity};
+use crate::pipeline::rows::resistance;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::BOX_STALE;
@@ -63,12 +64,18 @@ fn store_impulses<E: Executor>(
         push(&mut tasks, Task { rows, places, touches });
     }
     let (links, points) = (&*scratch.link_rows, &*scratch.point_rows);
-    let first_points = &*scratch.row_points;
+    let (first_points, resists) = (&*scratch.row_points, &*scratch.resist_rows);
     crew.run(Stage::Finish, &mut tasks, |task| {
         for ((row, &place), touch) in task.rows.iter_mut().zip(task.places).zip(task.touches) {
             let (link, lane) = (place as usize / LANES, place as usize % LANES);
             let first = first_points[link] as usize;
             store(row, (&links[link], &points[first..]), touch.sign(), lane);
+            if touch.settled < 0.0 && links[link].resists != 0 && row.can_resist() {
+                let axes = (links[link].normal.get(lane), links[link].tangent.get(lane));
+                if let Some(torque) = resistance(&resists[link], axes, lane) {
+                    row.set_resistance(torque * touch.sign());
+                }
+            }
         }
     });
 }

@@ -78,17 +78,18 @@ pub(crate) struct Plan {
     pub blocks: usize,
 }
 
-/// The kind of a contact's link, to which 4 less its points is added; those below are signatures of joints.
+/// The kind of a contact's link, to which 4 less its points is added, and 4 when a surface of it acts; those below are signatures of joints.
 const CONTACT_KIND: u32 = 1 << 27;
 
-/// The kind of a contact with so many points: neighbours in a lane should have as many, more points first.
-pub(crate) fn contact_kind(points: usize) -> u32 {
-    CONTACT_KIND + 4 - points as u32
+/// The kind of a contact with so many points: neighbours in a lane should have as many, more points first. Those whose
+/// surfaces move or resist come last.
+pub(crate) fn contact_kind(points: usize, acts: bool) -> u32 {
+    CONTACT_KIND + 4 - points as u32 + 4 * u32::from(acts)
 }
 
 /// The points of a contact by its kind.
 fn points_of(link: &Link) -> u32 {
-    CONTACT_KIND + 4 - link.kind
+    4 - (link.kind - CONTACT_KIND) % 4
 }
 
 /// Most groups of any schedule.

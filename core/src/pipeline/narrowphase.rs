@@ -9,6 +9,7 @@ use crate::executor::{Executor, Stage};
 use crate::math::{Pose, max, sqrt};
 use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
+use crate::pipeline::rules::Rules;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid, solver};
 use crate::shape::{
@@ -54,6 +55,7 @@ fn collide_pairs<E: Executor>(
             frames: scratch.frames,
             reaches: scratch.reaches,
         },
+        rules: Rules::new(state.materials, &state.pair_rules[..header.pair_rules as usize]),
         assets,
         dt,
         memos_fit: cache.header[0].memos_fit != 0,
@@ -104,6 +106,7 @@ fn count_before(rows: &[ContactRow], pair: &Pair) -> usize {
 /// What all tasks read.
 struct Look<'a> {
     scene: Scene<'a>,
+    rules: Rules<'a>,
     assets: &'a AssetTables<'a>,
     dt: f32,
     memos_fit: bool,
@@ -176,6 +179,10 @@ struct Found<'a> {
     meeting: Meeting,
     /// Whether the solver's A is B.
     exchanged: bool,
+    /// Whether some rule is about the shapes.
+    ruled: bool,
+    /// Whether a surface moves or resists.
+    acts: bool,
 }
 
 impl Found<'_> {
@@ -191,22 +198,29 @@ impl Found<'_> {
         }
     }
 
-    /// The touch of one of the pair's manifolds.
-    fn touch_of(&self, manifold: &Manifold, settled: bool, assets: &AssetTables<'_>) -> Touch {
+    /// The touch of a manifold with this surface of a mesh or height field, 0 for none.
+    fn touch_of(&self, surface: u32, settled: bool, look: &Look<'_>) -> Touch {
         let mut touch = self.touch(settled);
-        if manifold.surface != 0 {
-            self.take_surface(manifold.surface, assets, &mut touch);
+        if surface != 0 || self.ruled {
+            self.take_material(surface, look, &mut touch);
         }
         touch
     }
 
-    /// Replaces the material of the mesh or height field by that of one of its surfaces.
-    fn take_surface(&self, name: u32, assets: &AssetTables<'_>, touch: &mut Touch) {
+    /// Mixes the materials by their rules, the mesh's or height field's replaced by that of one of its surfaces.
+    fn take_material(&self, name: u32, look: &Look<'_>, touch: &mut Touch) {
         let (a, b) = self.shapes;
-        let (concave, other) = if a.is_surface() { (a, b) } else { (b, a) };
-        if let Some(surface) = assets.surface(concave, name) {
-            touch.friction = sqrt(surface.friction * other.friction);
-            touch.restitution = max(surface.restitution, other.restitution);
+        let mut frictions = [a.friction, b.friction];
+        let mut restitutions = [a.restitution, b.restitution];
+        let concave = usize::from(!a.is_surface());
+        if name != 0
+            && let Some(surface) = look.assets.surface([a, b][concave], name)
+        {
+            (frictions[concave], restitutions[concave]) = (surface.friction, surface.restitution);
+        }
+        look.rules.mix(self.shapes, frictions, restitutions, touch);
+        if self.acts {
+            touch.settled = -1.0;
         }
     }
 }
@@ -247,21 +261,29 @@ impl Task<'_> {
     fn meet(&mut self, look: &Look<'_>, pair: Pair, room: &mut Room) {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
+        if look.rules.ignore_any()
+            && look.rules.ignore(slots.map(|slot| look.scene.reaches[slot as usize].body))
+        {
+            self.end_until(|row| row.pair == pair);
+            return;
+        }
         let meeting = Meeting::new(&look.scene, slots, look.dt);
-        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots) };
+        let ruled = look.rules.concern(shapes);
+        let acts = ruled && look.rules.act(shapes);
+        let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots), ruled, acts };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
             self.end_until(|row| row.pair == pair);
         }
         let first = self.next;
         self.next += self.rows[first..].iter().take_while(|row| row.pair == pair).count();
-        let radii = meeting::settling_radii(shapes, look.assets);
+        let radii = if acts { None } else { meeting::settling_radii(shapes, look.assets) };
         let settles = radii.is_some_and(|radii| found.meeting.is_slow(radii));
         if let (Some(row), Some(radii)) = (self.rows[first..self.next].first(), radii) {
             let near = |base| found.meeting.is_near(&base, radii);
             let stays = settles && row.tag.is_settled() && meeting::unpack(&row.memory).is_some_and(near);
             if stays && (look.memos_fit || self.remember(look, &found, first)) {
-                self.touches[first] = found.touch(true);
+                self.touches[first] = found.touch_of(0, true, look);
                 return;
             }
         }
@@ -272,12 +294,14 @@ impl Task<'_> {
             let memory = meeting::pack(&found.meeting.b_in_a);
             let base = meeting::unpack(&memory).unwrap_or(Pose::IDENTITY);
             meeting::collide_at(&base, solids, manifolds);
+            self.hold_back(look, (&found, first), manifolds);
             self.list_olds(look, (&found, first), olds);
             for manifold in &*manifolds {
                 self.take_over(look, &found, (manifold, &base, Some(memory)), olds);
             }
         } else {
             found.meeting.collide(solids, manifolds);
+            self.hold_back(look, (&found, first), manifolds);
             if self.goes_on(look, (&found, first), manifolds) {
                 return;
             }
@@ -291,6 +315,17 @@ impl Task<'_> {
             if self.touches[old.place].shapes == [0; 2] {
                 self.end(old.place);
             }
+        }
+    }
+
+    /// Leaves out what comes to a one-way surface from where it is not solid. What has touched it goes on.
+    #[inline(always)]
+    fn hold_back(&self, look: &Look<'_>, (found, first): (&Found<'_>, usize), manifolds: &mut Manifolds) {
+        if found.ruled
+            && first == self.next
+            && !look.rules.let_begin(found.shapes, &found.meeting.b_in_a, manifolds)
+        {
+            manifolds.clear();
         }
     }
 
@@ -311,10 +346,10 @@ impl Task<'_> {
         let same = !row.tag.is_settled()
             && row.tag.child() == manifold.child
             && row.tag.points() == count
-            && row.memory == [features[0], features[1], features[2], features[3], 0];
+            && row.memory[..POINTS_MAX] == features;
         if same {
             self.memos[first] = meeting::memo(manifold, &found.meeting.b_in_a, found.exchanged, false);
-            self.touches[first] = found.touch_of(manifold, false, look.assets);
+            self.touches[first] = found.touch_of(manifold.surface, false, look);
         }
         same
     }
@@ -365,8 +400,15 @@ impl Task<'_> {
         };
         let old = olds.iter().find(|old| old.row.tag.child() == manifold.child);
         carry_over(&mut row, &features, old, olds);
+        if let Some(old) = old
+            && found.acts
+            && row.can_resist()
+            && old.row.can_resist()
+        {
+            row.set_resistance(old.row.resistance());
+        }
         let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
-        let touch = found.touch_of(manifold, base.is_some(), look.assets);
+        let touch = found.touch_of(manifold.surface, base.is_some(), look);
         if let Some(old) = old {
             self.rows[old.place] = row;
             self.memos[old.place] = memo;

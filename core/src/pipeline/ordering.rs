@@ -245,7 +245,8 @@ pub(crate) fn write_links<E: Executor>(
         let links = task.links.iter_mut().zip(task.slot_links.iter_mut());
         for ((row, touch), (link, slot_link)) in task.rows.iter().zip(task.touches).zip(links) {
             let slots = touch.shapes.map(|shape| reaches[shape as usize].body);
-            (*link, *slot_link) = link_of(slots, active_of, layout::contact_kind(row.tag.points()));
+            (*link, *slot_link) =
+                link_of(slots, active_of, layout::contact_kind(row.tag.points(), touch.settled < 0.0));
         }
     });
     drop(tasks);

@@ -3,9 +3,11 @@
 //! The scalars of each contact and its bodies lie in runs of eight words; transposed, a word of all contacts is a
 //! [`Lane`]. An empty lane reads zeros, and every divisor is guarded, so its row is zero.
 
+mod acting;
+
 use crate::cells::IMMOVABLE;
 use crate::constraint::contact::press_mass;
-use crate::constraint::row::{LinkRow, PointRow};
+use crate::constraint::row::{LinkRow, PointRow, ResistRow};
 use crate::constraint::velocities::{free_axes, root_times};
 use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, transpose};
 use crate::math::{Vec3, max};
@@ -13,7 +15,9 @@ use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::chord;
 use crate::pipeline::layout::EMPTY;
 use crate::pipeline::solver::take;
-use crate::state::{Active, Memo};
+use crate::state::{Active, ContactRow, Memo};
+use acting::Acts;
+pub(crate) use acting::resistance;
 use bytemuck::{Pod, Zeroable, cast_ref};
 
 /// Sliding, squared, from which on the first tangent lies along it, m2/s2.
@@ -25,7 +29,7 @@ const SLIDE_SHARE: f32 = 1.0e-6;
 /// there are several points is written only there.
 pub(crate) fn fill(
     scene: &Scene<'_>,
-    row: &mut LinkRow,
+    (row, resist): (&mut LinkRow, Option<&mut ResistRow>),
     (contacts, seats): (&[u32; LANES], &[u32; 2 * LANES]),
     points: &mut &mut [PointRow],
 ) {
@@ -41,10 +45,15 @@ pub(crate) fn fill(
     let sides = Sides::gather(scene, contacts);
     row.bounces = u32::from(sides.touch[3].greater(Lane::ZERO).any());
     row.locked = u32::from(sides.are_locked());
-    row.surfaces = u32::from(sides.surfaces != 0);
+    row.surfaces = u32::from(sides.moving() != 0);
+    row.resists = 0;
     row.turns = 0;
     row.slide = LaneVec::ZERO;
     fill_points(scene, &sides, row, own);
+    if let (Some(acts), Some(resist)) = (&sides.acts, resist) {
+        row.resists = u32::from(acts.resists != 0);
+        acts.write_resistance(&sides, row, resist);
+    }
 }
 
 fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mut [PointRow]) {
@@ -72,7 +81,7 @@ fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mu
     if link.bounces != 0 {
         sides.write_push(scene, link);
     }
-    if sides.surfaces != 0 {
+    if sides.moving() != 0 {
         sides.write_surfaces(scene, link, (points, &patch));
     }
 }
@@ -127,6 +136,8 @@ struct Sides {
     sign: Lane,
     /// Bit for each lane whose immovable body moves.
     surfaces: u32,
+    /// Where a surface moves or resists by its material.
+    acts: Option<Acts>,
 }
 
 /// A frame in every lane.
@@ -204,7 +215,7 @@ impl Sides {
         let (mut touches, mut stored) = ([Words::ZERO; LANES], [Words::ZERO; LANES]);
         let mut sign = Lane::ZERO;
         let mut counts = [0; LANES];
-        let (mut surfaces, mut settles) = (0, false);
+        let (mut surfaces, mut settles, mut acts) = (0, false, false);
         for (lane, &contact) in contacts.iter().enumerate() {
             if contact == EMPTY {
                 continue;
@@ -228,6 +239,10 @@ impl Sides {
             memos[lane] = &scene.memos[contact];
             touches[lane] = words::<_, 1>(touch)[0];
             stored[lane] = words::<_, 2>(row)[1];
+            if touch.settled < 0.0 {
+                acts = true;
+                stored[lane] = without_resistance(row);
+            }
             sign.set(lane, touch.sign());
             counts[lane] = row.tag.points() as u8;
         }
@@ -255,7 +270,13 @@ impl Sides {
             stored: transpose(stored),
             sign,
             surfaces,
+            acts: acts.then(|| Acts::gather(scene, contacts)),
         }
+    }
+
+    /// Bit for each lane that has a surface that moves.
+    fn moving(&self) -> u32 {
+        self.surfaces | self.acts.as_ref().map_or(0, |acts| acts.belts)
     }
 
     fn memo_vector(&self, word: usize) -> LaneVec {
@@ -395,7 +416,10 @@ impl Sides {
         let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
         let at_a = self.a.linear + self.a.angular.cross(arm_a);
         let at_b = self.b.linear + self.b.angular.cross(arm_b);
-        let sliding = at_b - at_a;
+        let mut sliding = at_b - at_a;
+        if let Some(acts) = &self.acts {
+            sliding = acts.slide(sliding);
+        }
         let flat = sliding - n.times(n.dot(sliding));
         let square = flat.dot(flat);
         let slides = square.greater(Lane::splat(SLIDING_MIN)).and(square.less(Lane::splat(1.0e38)));
@@ -425,7 +449,8 @@ impl Sides {
         }
     }
 
-    /// Velocities of the surfaces of immovable bodies that move; those of dynamic ones are in their seats.
+    /// Velocities of the surfaces of immovable bodies that move, where those of dynamic ones are in their seats; and
+    /// of surfaces that move on their bodies, as far as they lie across the normal.
     fn write_surfaces(
         &self,
         scene: &Scene<'_>,
@@ -434,17 +459,19 @@ impl Sides {
     ) {
         row.surface = LaneVec::ZERO;
         for (lane, &contact) in self.contacts.iter().enumerate() {
+            let (n, t) = (row.normal.get(lane), row.tangent.get(lane));
+            let belt = self.acts.as_ref().map_or(Vec3::ZERO, |acts| acts.velocity.get(lane));
             if self.surfaces >> lane & 1 == 0 {
+                row.surface.set(lane, Vec3::new(t.dot(belt), n.cross(t).dot(belt), 0.0));
                 continue;
             }
             let surface = Surface::new(scene, contact as usize);
-            let (n, t) = (row.normal.get(lane), row.tangent.get(lane));
             let count = usize::from(self.counts[lane]);
             for (point, place) in points.iter_mut().zip(&patch.places).take(count) {
                 point.surface.set(lane, n.dot(surface.velocity(place.get(lane))));
             }
             let middle = patch.sum.get(lane) / max(count as f32, 1.0);
-            let velocity = surface.velocity(middle);
+            let velocity = surface.velocity(middle) + belt;
             let spin = n.dot(surface.angular);
             row.surface.set(lane, Vec3::new(t.dot(velocity), n.cross(t).dot(velocity), spin));
         }
@@ -455,6 +482,15 @@ impl Sides {
 #[inline(always)]
 fn words<T: Pod, const N: usize>(row: &T) -> &[Words; N] {
     cast_ref(row)
+}
+
+/// The stored impulses of a contact, as a run of words, without those of its resistance.
+fn without_resistance(row: &ContactRow) -> Words {
+    let mut row = *row;
+    if row.can_resist() {
+        row.set_resistance(Vec3::ZERO);
+    }
+    words::<_, 2>(&row)[1]
 }
 
 /// The velocities of an immovable body that moves, as a row; `None` for one that stands still.

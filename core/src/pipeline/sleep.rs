@@ -2,7 +2,7 @@
 //!
 //! An island is a set of dynamic bodies that are joined by contacts and joints. It falls asleep at the end of a
 //! step when each of its bodies has been quiet for `Settings::sleep_time` and none of them is kept awake, or
-//! touches a kinematic body that moves. Its pairs and contacts go to arrays of their own, so that the stages of a
+//! touches a kinematic body that moves, or a surface that moves on its body. Its pairs and contacts go to arrays of their own, so that the stages of a
 //! step do not see them at all; its shapes join the tree of what rests.
 //!
 //! It wakes, as a whole and before the contacts of the step are found, when
@@ -22,10 +22,11 @@ use crate::math::Vec3;
 use crate::pipeline::broadphase::{key, merge_sorted, pair_of, place_shape};
 use crate::pipeline::meeting::{Meeting, Scene};
 use crate::pipeline::ordering::Links;
+use crate::pipeline::rules::Rules;
 use crate::pipeline::{Counts, solid};
 use crate::pool::{is_used, iterate};
 use crate::shape::FRESH;
-use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Scratch, State};
+use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Scratch, State, Touch};
 use bytemuck::Zeroable;
 
 /// The body, or one of its island, must wake.
@@ -114,6 +115,7 @@ fn is_driven(row: &BodyRow, motion: &Motion) -> bool {
 fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     let mut found = Manifolds::new();
+    let rules = Rules::new(state.materials, &state.pair_rules[..state.header[0].pair_rules as usize]);
     for &pair in &state.pairs[..state.header[0].pairs as usize] {
         let body = |shape: u32| state.shapes[shape as usize].body as usize;
         let busy = |slot: usize| is_busy(&state.bodies[slot], &state.motions[slot]);
@@ -123,7 +125,7 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
             (false, true) if busy(a) => (pair.b, b),
             _ => continue,
         };
-        if scratch.marks[sleeper] != 0 {
+        if scratch.marks[sleeper] != 0 || rules.ignore([a as u32, b as u32]) {
             continue;
         }
         place_shape(state, (assets, dt), (None, scratch), asleep);
@@ -139,8 +141,10 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
         let slots = scene.in_order(pair);
         let solids = slots.map(|slot| solid(&state.shapes[slot as usize], assets));
         found.clear();
-        Meeting::new(&scene, slots, dt).collide((&solids[0], &solids[1]), &mut found);
-        if !found.is_empty() {
+        let meeting = Meeting::new(&scene, slots, dt);
+        meeting.collide((&solids[0], &solids[1]), &mut found);
+        let shapes = (&state.shapes[slots[0] as usize], &state.shapes[slots[1] as usize]);
+        if !found.is_empty() && rules.let_begin(shapes, &meeting.b_in_a, &found) {
             scratch.marks[sleeper] = WAKE;
             any = true;
         }
@@ -373,10 +377,19 @@ pub(crate) fn fall(
     }
 }
 
+/// True for a contact with a surface that moves on its body.
+fn is_carried(state: &State<'_>, touch: &Touch) -> bool {
+    let moves = |slot: u32| state.shapes[slot as usize].traits(state.materials).moves();
+    touch.settled < 0.0 && touch.shapes.into_iter().any(moves)
+}
+
 /// Unites the bodies of the step's links; bodies that a moving kinematic one touches are restless.
 fn unite_active(state: &State<'_>, scratch: &mut Scratch<'_>, links: Links, driven: bool) {
     let count = links.contacts + links.joints;
     for (i, link) in scratch.slot_links[..count].iter().enumerate() {
+        if i < links.contacts && is_carried(state, &scratch.touches[i]) {
+            scratch.marks[link.a as usize] = RESTLESS;
+        }
         if link.b != IMMOVABLE {
             unite(scratch.islands, link.a, link.b);
         } else if driven {

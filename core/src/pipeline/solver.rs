@@ -9,7 +9,7 @@
 use crate::config::Settings;
 use crate::constraint::contact::{self, Pass, Sweep};
 use crate::constraint::joint::{self, BoundRow, JointLink, LockRow};
-use crate::constraint::row::{Bias, LinkRow, PointRow};
+use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::pipeline::layout::{Group, Plan};
@@ -23,6 +23,8 @@ pub(crate) struct Rows<'a> {
     pub groups: &'a [Group],
     pub links: &'a mut [LinkRow],
     pub points: &'a mut [PointRow],
+    /// One for each row of links, or none.
+    pub resists: &'a mut [ResistRow],
     pub joints: JointRows<'a>,
     pub seats: &'a mut [Seat],
     pub sources: &'a [u32],
@@ -91,6 +93,7 @@ struct Task<'a> {
     joints: JointRows<'a>,
     links: &'a mut [LinkRow],
     points: &'a mut [PointRow],
+    resists: &'a mut [ResistRow],
 }
 
 /// How contacts are biased.
@@ -152,19 +155,24 @@ fn run_phase<E: Executor>(
     let groups = &rows.groups[phase.first_group as usize..(phase.first_group + phase.groups) as usize];
     let movers = if index == 0 { &mut rows.movers[..end / LANES] } else { &mut [] };
     let joints = rows.joints.reborrow();
-    let mut tasks = cut(groups, (own, &rows.sources[first..end], movers), (rows.links, rows.points, joints));
+    let links = (&mut *rows.links, &mut *rows.resists);
+    let mut tasks = cut(groups, (own, &rows.sources[first..end], movers), (links, rows.points, joints));
     crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
 }
+
+/// Rows of links and of their resistances.
+type ContactRows<'a> = (&'a mut [LinkRow], &'a mut [ResistRow]);
 
 /// A task for each group of a phase, from the phase's slices.
 fn cut<'a>(
     groups: &[Group],
     (mut seats, mut sources, mut movers): (&'a mut [Seat], &'a [u32], &'a mut [MoverRow]),
-    (links, points, joints): (&'a mut [LinkRow], &'a mut [PointRow], JointRows<'a>),
+    ((links, resists), points, joints): (ContactRows<'a>, &'a mut [PointRow], JointRows<'a>),
 ) -> Tasks<Task<'a>> {
     let mut tasks = Tasks::new();
     let Some(front) = groups.first() else { return tasks };
     let mut links = &mut links[front.first_row as usize..];
+    let mut resists = resists.get_mut(front.first_row as usize..).unwrap_or_default();
     let mut points = &mut points[front.first_point as usize..];
     let mut joints = joints.from(groups);
     for group in groups {
@@ -183,6 +191,7 @@ fn cut<'a>(
             joints: joints.take(group),
             links: take(&mut links, group.rows as usize),
             points: take(&mut points, group.points as usize),
+            resists: take_resists(&mut resists, group.rows),
         };
         push(&mut tasks, task);
     }
@@ -194,6 +203,12 @@ pub(crate) fn take<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     let (own, after) = core::mem::take(rest).split_at_mut(count);
     *rest = after;
     own
+}
+
+/// The same for rows of resistances, of which there may be none.
+pub(crate) fn take_resists<'a>(rest: &mut &'a mut [ResistRow], rows: u32) -> &'a mut [ResistRow] {
+    let count = rest.len().min(rows as usize);
+    take(rest, count)
 }
 
 /// A group's visit: pull, move, sweep.
@@ -226,5 +241,5 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
 fn sweep_rows(task: &mut Task<'_>, sweep: &Sweep) {
     let JointRows { links, locks, bounds } = &mut task.joints;
     joint::visit(sweep, links, (locks, bounds), task.seats);
-    contact::visit(sweep, task.links, task.points, task.seats);
+    contact::visit(sweep, (task.links, task.resists), task.points, task.seats);
 }

@@ -2,6 +2,7 @@
 
 use super::World;
 use super::joints::remove_joints_of;
+use super::materials::{drop_material, drop_rules};
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::{
@@ -11,6 +12,7 @@ use crate::body::{
 use crate::collide::mass::MassAccumulator;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
+use crate::material::{RULE_IGNORE, RULE_MATERIAL};
 use crate::math::{Rotation, Vec3, max};
 use crate::pipeline::{integration, solid};
 use crate::pool;
@@ -80,9 +82,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             state.header[0].asleep -= 1;
         }
         remove_joints_of(&mut state, slot as u32);
+        drop_rules(&mut state, RULE_IGNORE, slot as u32);
         let mut shape = state.bodies[slot].first_shape;
         while shape != u32::MAX {
             let next = state.shapes[shape as usize].next;
+            drop_material(&mut state, shape);
+            drop_rules(&mut state, RULE_MATERIAL, shape);
             state.shapes[shape as usize] = Zeroable::zeroed();
             pool::release(&mut state.header[0].shapes, state.shape_used, shape);
             shape = next;

@@ -30,6 +30,8 @@ pub struct Contact {
     pub friction: Vec3,
     /// Impulse of the twist about the normal on the second body, N m s.
     pub twist: f32,
+    /// Impulse of the torque on the second body that resists rolling and spinning, N m s in the world.
+    pub resistance: Vec3,
 }
 
 impl Contact {
@@ -89,9 +91,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             }),
             child: row.tag.child(),
             points: row.tag.points() as u32,
-            impulses: row.impulses,
+            impulses: core::array::from_fn(|i| if i < row.tag.points() { row.impulses[i] } else { 0.0 }),
             friction: row.friction,
             twist: row.twist,
+            resistance: if row.can_resist() { row.resistance() } else { Vec3::ZERO },
         }
     }
 

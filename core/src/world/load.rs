@@ -1,6 +1,7 @@
 //! Taking state from bytes of unknown origin: accepted exactly, or refused.
 
 mod joints;
+mod materials;
 mod sleep;
 
 use super::World;
@@ -11,10 +12,11 @@ use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
 use crate::joint::JointRow;
+use crate::material::{MaterialRow, PairRule};
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::meeting;
 use crate::pool::{Marks, words};
-use crate::shape::{BOX_STALE, FRESH, Geometry, ShapeRow};
+use crate::shape::{BOX_STALE, FRESH, Geometry, MATERIAL_SHIFT, ShapeRow};
 use crate::state::{AssetTables, ContactRow, Header, Pair};
 use crate::validate;
 use bytemuck::{AnyBitPattern, Zeroable};
@@ -66,6 +68,8 @@ struct Parts<'a> {
     joint_generations: Rows<'a, u32>,
     joint_used: Rows<'a, u64>,
     first_joints: Rows<'a, u32>,
+    materials: Rows<'a, MaterialRow>,
+    pair_rules: Rows<'a, PairRule>,
 }
 
 /// What rows may refer to.
@@ -117,6 +121,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             joint_generations,
             joint_used,
             first_joints,
+            materials,
+            pair_rules,
         ] = parts(snapshot, &sections);
         let parts = Parts {
             header,
@@ -136,6 +142,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             joint_generations: Rows::new(joint_generations),
             joint_used: Rows::new(joint_used),
             first_joints: Rows::new(first_joints),
+            materials: Rows::new(materials),
+            pair_rules: Rows::new(pair_rules),
         };
         let assets = self.layout.assets.header.of(self.bytes())[0];
         let limits = Limits {
@@ -168,6 +176,7 @@ impl Parts<'_> {
         for slot in 0..header.shapes.high {
             require(self.shape_holds(slot, limits), "shapes", slot)?;
         }
+        self.check_materials()?;
         self.check_lists()?;
         self.check_pairs()?;
         self.check_contacts(&limits.tables)?;
@@ -239,7 +248,7 @@ impl Parts<'_> {
             && is_rotation(row.pose.rotation)
             && validate::in_range("", row.density, 0.0, 1.0e9).is_ok()
             && crate::shape::check_material(row.friction, row.restitution).is_ok()
-            && row.flags & !(BOX_STALE | FRESH) == 0
+            && row.flags & !(BOX_STALE | FRESH) & ((1 << MATERIAL_SHIFT) - 1) == 0
             && boxed
     }
 
@@ -311,13 +320,18 @@ impl Parts<'_> {
     /// The same for a contact with or without a phase.
     fn contact_is_sound(&self, row: &ContactRow, assets: &AssetTables<'_>) -> bool {
         let impulse = |x: f32| x.is_finite() && x >= 0.0 && x.to_bits() != (-0.0_f32).to_bits();
+        let mut canonical = *row;
+        if row.can_resist() && self.may_resist(row.pair) {
+            canonical.set_resistance(Vec3::ZERO);
+        }
         let unused = row.tag.points().min(4)..4;
         row.pair.a < row.pair.b
             && row.pair.b < self.header.shapes.high
             && (1..=4).contains(&row.tag.points())
-            && row.impulses.iter().all(|&x| impulse(x))
-            && row.impulses[unused.clone()].iter().all(|&x| x == 0.0)
-            && self.memory_holds(row, assets)
+            && canonical.impulses.iter().all(|&x| impulse(x))
+            && canonical.impulses[unused].iter().all(|&x| x == 0.0)
+            && self.memory_holds(&canonical, assets)
+            && (!row.can_resist() || row.resistance().is_finite())
             && row.friction.is_finite()
             && row.twist.is_finite()
     }

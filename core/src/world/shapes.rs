@@ -1,14 +1,16 @@
 //! Creating, changing and reading shapes.
 
 use super::World;
+use super::materials::{drop_material, drop_rules, find_room, take_material};
 use super::sleep::wake_slot;
 use crate::arena::Line;
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
+use crate::material::RULE_MATERIAL;
 use crate::math::Pose;
 use crate::pool;
-use crate::shape::{BOX_STALE, FRESH, Filter, Geometry, ShapeDef, ShapeRow, check_material};
+use crate::shape::{BOX_STALE, FRESH, Filter, Geometry, ShapeDef, ShapeRow};
 use crate::state::{PAIRS_REMOVED, mark_shapes};
 use crate::validate;
 use bytemuck::Zeroable;
@@ -17,17 +19,19 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`], [`Error::WrongKind`] for a half-space, a mesh or a
+    /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, or of `materials`), [`Error::WrongKind`] for a half-space, a mesh or a
     /// height field on a dynamic body, or a number of the definition is refused; see [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;
         self.check_geometry(&def.geometry, self.kind(body)?)?;
         let mut state = self.state_view();
+        let material = find_room(&state, &def.traits)?;
         let marks = &mut state.header[0].shapes;
         let slot = pool::acquire(marks, state.shape_used, state.shape_generations)
             .ok_or(Error::Full { name: "shapes" })?;
         state.shapes[slot as usize] = ShapeRow::new(body_slot as u32, def);
+        take_material(&mut state, slot, (&def.traits, material));
         append(&mut state, body_slot, slot);
         wake_slot(&mut state, body_slot);
         let handle = ShapeHandle { index: slot, generation: state.shape_generations[slot as usize] };
@@ -46,6 +50,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let body = state.shapes[slot].body as usize;
         wake_slot(&mut state, body);
         unlink(&mut state, body, slot as u32);
+        drop_material(&mut state, slot as u32);
+        drop_rules(&mut state, RULE_MATERIAL, slot as u32);
         state.shapes[slot] = Zeroable::zeroed();
         pool::release(&mut state.header[0].shapes, state.shape_used, slot as u32);
         state.header[0].pairs_stale |= PAIRS_REMOVED;
@@ -71,6 +77,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             density: row.density,
             friction: row.friction,
             restitution: row.restitution,
+            traits: self.traits_of(row),
             filter: row.filter,
             user: row.user,
         })
@@ -145,21 +152,6 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(())
     }
 
-    /// Changes friction, 0..=1e6, and restitution, 0..=1.
-    ///
-    /// # Errors
-    /// [`Error::Stale`], or a number is refused.
-    pub fn set_material(&mut self, shape: ShapeHandle, friction: f32, restitution: f32) -> Result<(), Error> {
-        let slot = self.shape_slot(shape)?;
-        check_material(friction, restitution)?;
-        let mut state = self.state_view();
-        let row = &mut state.shapes[slot];
-        (row.friction, row.restitution) = (friction, restitution);
-        let body = row.body as usize;
-        wake_slot(&mut state, body);
-        Ok(())
-    }
-
     /// Changes which shapes it meets.
     ///
     /// # Errors
@@ -208,7 +200,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if lives { Ok(shape.index as usize) } else { Err(Error::Stale { what: "shape" }) }
     }
 
-    fn shape_row(&self, shape: ShapeHandle) -> Result<&ShapeRow, Error> {
+    pub(super) fn shape_row(&self, shape: ShapeHandle) -> Result<&ShapeRow, Error> {
         let slot = self.shape_slot(shape)?;
         Ok(&self.layout.state.shapes.of(self.state())[slot])
     }

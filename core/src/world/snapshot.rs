@@ -49,7 +49,7 @@ impl Section {
 }
 
 /// How many sections the state has.
-pub(super) const SECTIONS: usize = 18;
+pub(super) const SECTIONS: usize = 20;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
@@ -88,6 +88,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             section!(joint_generations, u32, joints),
             section!(joint_used, u64, words(joints)),
             section!(first_joints, u32, if self.capacities.joints == 0 { 0 } else { bodies }),
+            section!(materials, crate::material::MaterialRow, header.materials as usize),
+            section!(pair_rules, crate::material::PairRule, header.pair_rules as usize),
         ]
     }
 
@@ -161,7 +163,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Hash of what decides how the state's bytes are read.
     fn layout_hash(&self) -> u64 {
         let c = &self.capacities;
-        let state = [c.bodies, c.shapes, c.pairs, c.contacts, c.joints];
+        let state = [c.bodies, c.shapes, c.pairs, c.contacts, c.joints, c.materials, c.pair_rules];
         let assets = [
             c.hulls,
             c.meshes,
@@ -204,6 +206,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             (state.asleep_pairs, c.pairs),
             (state.asleep_contacts, c.contacts),
             (state.joints.high, c.joints),
+            (state.materials, c.materials),
+            (state.pair_rules, c.pair_rules),
         ];
         if marks.iter().any(|(mark, capacity)| mark > capacity) {
             return Err(SnapshotError::Invalid { section: "header", index: 0 });

@@ -11,8 +11,8 @@ use cellstep_core::collide::height_field::HOLE;
 use cellstep_core::math::{Pose, Rotation, Vec3};
 use cellstep_core::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, CompoundChild, CompoundHandle, Error, Filter,
-    Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, JointHandle, Line, MassProperties, MeshHandle,
-    Position, ShapeDef, Surface, World,
+    Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, JointHandle, Line, MassProperties,
+    MaterialTraits, MeshHandle, Position, ShapeDef, Surface, World,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -63,7 +63,14 @@ pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacitie
         compounds: count(scene.compounds.len()),
         compound_children: count(scene.compounds.values().map(|compound| compound.children.len()).sum()),
         surfaces: count(scene.surface_count()),
+        materials: given.materials.unwrap_or(count(materials_of(scene))),
+        pair_rules: given.pair_rules.unwrap_or(0),
     }
+}
+
+/// How many materials have more than friction, restitution and density: an upper limit of the distinct ones.
+fn materials_of(scene: &Scene) -> usize {
+    scene.materials.values().filter(|material| material.traits() != MaterialTraits::default()).count()
 }
 
 impl Scene {
@@ -342,6 +349,7 @@ fn shape_def(doc: &ShapeDoc, scene: &Scene, assets: &Assets<'_>) -> ShapeDef {
         density: material.density,
         friction: material.friction,
         restitution: material.restitution,
+        traits: material.traits(),
         filter: Filter { category: doc.filter.category, mask: doc.filter.mask, group: doc.filter.group },
         user: doc.user,
     }

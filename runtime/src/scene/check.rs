@@ -22,6 +22,13 @@ const SPEED_MAX: f32 = 1.0e6;
 const DAMPING_MAX: f32 = 1.0e4;
 /// Greatest factor on gravity.
 const GRAVITY_SCALE_MAX: f32 = 1.0e3;
+/// Greatest length of a resistance to rolling or spinning, metres.
+const RESISTANCE_MAX: f32 = 1.0e3;
+/// Greatest component of the velocity of a surface, m/s.
+const SURFACE_SPEED_MAX: f32 = 1.0e4;
+/// Greatest component, and least length, of the direction to which a shape is solid.
+const ONE_WAY_MAX: f32 = 1.0e6;
+const ONE_WAY_MIN: f64 = 1.0e-5;
 /// Greatest coefficient of friction.
 const FRICTION_MAX: f32 = 1.0e6;
 /// Greatest density, kg/m^3.
@@ -131,7 +138,18 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
 fn material(place: Place<'_>, material: &MaterialDoc) -> Checked {
     range(place.key("friction"), material.friction, 0.0, FRICTION_MAX)?;
     range(place.key("restitution"), material.restitution, 0.0, 1.0)?;
-    range(place.key("density"), material.density, 0.0, DENSITY_MAX)
+    range(place.key("density"), material.density, 0.0, DENSITY_MAX)?;
+    range(place.key("rolling"), material.rolling, 0.0, RESISTANCE_MAX)?;
+    range(place.key("spinning"), material.spinning, 0.0, RESISTANCE_MAX)?;
+    vector(place.key("surface_velocity"), &material.surface_velocity, SURFACE_SPEED_MAX)?;
+    let Some(direction) = &material.one_way else { return Ok(()) };
+    vector(place.key("one_way"), direction, ONE_WAY_MAX)?;
+    let length = direction.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
+    if length < ONE_WAY_MIN {
+        let expected = format!("a direction of length {ONE_WAY_MIN:e} at least");
+        return Err(SceneError::invalid(place.key("one_way"), format!("found {direction:?}"), expected));
+    }
+    Ok(())
 }
 
 fn hull(place: Place<'_>, hull: &HullDoc) -> Checked {

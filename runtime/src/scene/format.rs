@@ -10,6 +10,7 @@
 
 mod assets;
 mod joints;
+mod material;
 mod settings;
 
 use super::bounded::{bounded, unique};
@@ -18,6 +19,7 @@ pub use joints::{
     AxesDoc, AxisDoc, BodyRefDoc, DriveDoc, FrameDoc, JOINTS_MAX, JointDoc, JointKindDoc, MotionDoc,
     SpringDoc,
 };
+pub use material::{MaterialDoc, MixDoc};
 use serde::{Deserialize, Serialize};
 pub use settings::{ContactModelDoc, SettingsDoc};
 use std::collections::BTreeMap;
@@ -105,27 +107,12 @@ pub struct CapacitiesDoc {
     /// Joints, with four limits, drives and frictions for each on average; enough for those of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<u32>,
-}
-
-/// A surface and what lies under it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a material object")]
-pub struct MaterialDoc {
-    /// Coefficient of friction, not negative.
-    #[serde(default = "friction_default")]
-    pub friction: f32,
-    /// Coefficient of restitution, 0 (no bounce) to 1.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub restitution: f32,
-    /// Mass of a cubic metre, kg, not negative; 0 adds no mass.
-    #[serde(default = "density_default")]
-    pub density: f32,
-}
-
-impl Default for MaterialDoc {
-    fn default() -> Self {
-        Self { friction: FRICTION_DEFAULT, restitution: 0.0, density: DENSITY_DEFAULT }
-    }
+    /// Distinct materials with more than friction, restitution and density; at least as many as the scene uses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub materials: Option<u32>,
+    /// Pairs with rules of their own; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair_rules: Option<u32>,
 }
 
 /// A convex hull.
