@@ -17,7 +17,7 @@ use super::mesh;
 use super::model::{Body, BodyKind, Form, Geom, Joint, Mass, Model, Motion};
 use super::warning::{Effect, Warning};
 use crate::scene::format::{
-    BodyDoc, FilterDoc, GeometryDoc, HullDoc, KindDoc, MassDoc, MaterialDoc, RotationDoc,
+    BodyDoc, FilterDoc, GeometryDoc, HullDoc, KindDoc, MassDoc, MaterialDoc, MixDoc, RotationDoc,
     SHAPES_PER_BODY_MAX, SettingsDoc, ShapeDoc,
 };
 use crate::scene::{Problem, Scene, SceneError};
@@ -56,6 +56,7 @@ impl Model {
             places: Vec::new(),
             names: BTreeSet::new(),
             losses: Vec::new(),
+            uneven: self.is_uneven(),
         };
         making.scene.description.clone_from(&self.name);
         making.scene.gravity = self.options.gravity.map(|x| x as f32);
@@ -78,23 +79,38 @@ impl Model {
 
     /// What a scene says otherwise than the model.
     fn losses(&self) -> Vec<Warning> {
-        let colliding = || self.bodies.iter().flat_map(|body| &body.geoms).filter(|geom| self.collides(geom));
-        let first = colliding().next().map_or([0.0; 3], |geom| geom.friction);
-        let count = |is: &dyn Fn(&Geom) -> bool| colliding().filter(|geom| is(geom)).count();
+        let count = |is: &dyn Fn(&Geom) -> bool| self.colliding().filter(|geom| is(geom)).count();
+        // The least coefficient among the geoms whose contacts have it.
+        let least = |index: usize, condim: i32| {
+            let rough = self.colliding().filter(|geom| geom.condim >= condim);
+            rough.map(|geom| geom.friction[index]).fold(f64::INFINITY, f64::min)
+        };
+        let least = [least(0, 2), least(1, 4), least(2, 6)];
+        let hides =
+            |g: &Geom, index: usize, condim: i32| g.condim < condim && g.friction[index] > least[index];
         let losses = [
-            (
-                "geom/friction: of two geoms the geometric mean, not the larger",
-                count(&|g| g.friction[0] != first[0]),
-            ),
-            ("geom/condim other than 3", count(&|g| g.condim != 3)),
             ("ellipsoid as a hull of 58 points", count(&|g| matches!(g.form, Form::Ellipsoid { .. }))),
+            ("geom/friction of a geom of condim 1 on a smoother one", count(&|g| hides(g, 0, 2))),
+            (
+                "geom/friction beyond sliding of a geom of less condim",
+                count(&|g| hides(g, 1, 4) || hides(g, 2, 6)),
+            ),
         ];
         losses.into_iter().filter(|loss| loss.1 > 0).map(|(what, count)| lost(what, count)).collect()
     }
 
-    /// True for a geom that collides with some geom of the model, were it in reach.
-    fn collides(&self, geom: &Geom) -> bool {
-        geom.contype != 0 || geom.conaffinity != 0
+    /// Whether geoms that collide have unlike sliding friction.
+    fn is_uneven(&self) -> bool {
+        let sliding = |geom: &Geom| if geom.condim < 2 { 0.0 } else { geom.friction[0] };
+        let mut all = self.colliding().map(sliding);
+        let first = all.next().unwrap_or(0.0);
+        all.any(|friction| friction != first)
+    }
+
+    /// Geoms that collide with some geom, were it in reach.
+    fn colliding(&self) -> impl Iterator<Item = &Geom> {
+        let geoms = self.bodies.iter().flat_map(|body| &body.geoms);
+        geoms.filter(|geom| geom.contype != 0 || geom.conaffinity != 0)
     }
 
     /// The filter of each pair of contact bits; none for what collides with nothing.
@@ -150,6 +166,8 @@ struct Making<'a> {
     names: BTreeSet<&'a str>,
     /// What is not as the model says, and how often.
     losses: Vec<(&'static str, usize)>,
+    /// Whether geoms have unlike sliding friction, so that it matters how it is mixed.
+    uneven: bool,
 }
 
 impl<'a> Making<'a> {
@@ -276,15 +294,26 @@ impl<'a> Making<'a> {
         GeometryDoc::Hull(name)
     }
 
-    /// The name of the material of a geom's surface.
+    /// The name of the material of a geom's surface. What the geom's condim leaves out is 0: the other geom may have
+    /// it, and the larger one counts.
     fn material(&mut self, geom: &Geom) -> String {
+        let own =
+            |index: usize, condim: i32| if geom.condim < condim { 0.0 } else { geom.friction[index] as f32 };
         let surface = MaterialDoc {
-            friction: geom.friction[0] as f32,
+            friction: own(0, 2),
             restitution: geom.restitution as f32,
+            friction_mix: if self.uneven { MixDoc::Max } else { MixDoc::Unset },
+            spinning: own(1, 4),
+            rolling: own(2, 6),
             ..MaterialDoc::default()
         };
         // Other numbers give other names.
-        let name = format!("friction {} restitution {}", surface.friction, surface.restitution);
+        let mut name = format!("friction {} restitution {}", surface.friction, surface.restitution);
+        for (word, value) in [("spinning", surface.spinning), ("rolling", surface.rolling)] {
+            if value > 0.0 {
+                name += &format!(" {word} {value}");
+            }
+        }
         self.scene.materials.entry(name.clone()).or_insert(surface);
         name
     }

@@ -2,7 +2,7 @@
 
 use super::super::math::{Placement, dot, scaled, sub};
 use super::super::model::{
-    Actuator, Control, Equality, Exclude, Joint, JointPart, Model, Motion, Rope, Transmission,
+    Actuator, BodyKind, Control, Equality, Exclude, Joint, JointPart, Model, Motion, Rope, Transmission,
 };
 use super::axes::{Compound, Coordinate, compound};
 use super::{Making, rotation};
@@ -84,6 +84,21 @@ impl Making<'_> {
             }
         }
         self.excludes(&model.excludes);
+        self.keep_awake(model);
+    }
+
+    /// What a servo moves does not sleep: it may creep, and its control is there to be changed.
+    fn keep_awake(&mut self, model: &Model) {
+        for actuator in model.actuators.iter().filter(|actuator| actuator.control != Control::Motor) {
+            let body = match actuator.transmission {
+                Transmission::Joint(joint, _) => model.joints[joint].child,
+                Transmission::SliderCrank { crank, .. } => crank.body,
+            };
+            if model.bodies[body].kind != BodyKind::Fixed {
+                let place = self.place_of(body) as usize;
+                self.scene.bodies[place].can_sleep = false;
+            }
+        }
     }
 
     /// A joint between two bodies of the model with frames in them.
