@@ -25,6 +25,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Seconds of rest after which imported bodies sleep.
 const SLEEP_TIME: f32 = 0.5;
+/// Sweeps that take back what position correction leaves in the velocities of long chains of joints: after one or
+/// two a ragdoll that lies on its arms goes on rocking, after three it comes to rest.
+const RELAX_SWEEPS: u32 = 4;
 /// Substeps of a scene take about as long as the engine's own default, 1/240 s.
 const SUBSTEPS_PER_SECOND: f64 = 240.0;
 /// Bits of a filter.
@@ -65,6 +68,7 @@ impl Model {
             dt: Some(self.options.timestep as f32),
             substeps: Some(substeps),
             sleep_time: Some(SLEEP_TIME),
+            relax_sweeps: (!self.joints.is_empty()).then_some(RELAX_SWEEPS),
             ..SettingsDoc::default()
         };
         for (index, body) in self.bodies.iter().enumerate() {
