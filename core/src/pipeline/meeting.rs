@@ -154,6 +154,11 @@ impl Meeting {
     }
 }
 
+/// The pose at which the points of a contact that settles are found, as it is kept.
+pub(crate) fn settled_base(b_in_a: &Pose) -> Pose {
+    unpack(&pack(b_in_a)).unwrap_or(Pose::IDENTITY)
+}
+
 /// Points of a settled contact: those found at its base, a little farther apart than they may come to touch.
 pub(crate) fn collide_at(base: &Pose, solids: (&Solid<'_>, &Solid<'_>), found: &mut Manifolds) {
     collide::collide(solids.0, solids.1, base, SPECULATIVE_DISTANCE + DRIFT_MAX, found);

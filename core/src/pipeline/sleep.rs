@@ -20,7 +20,7 @@ use crate::collide::Manifolds;
 use crate::joint::BROKEN;
 use crate::math::Vec3;
 use crate::pipeline::broadphase::{key, merge_sorted, pair_of, place_shape};
-use crate::pipeline::meeting::{Meeting, Scene};
+use crate::pipeline::meeting::{Meeting, Scene, collide_at, settled_base, settling_radii};
 use crate::pipeline::ordering::Links;
 use crate::pipeline::rules::Rules;
 use crate::pipeline::{Counts, solid};
@@ -142,8 +142,15 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
         let solids = slots.map(|slot| solid(&state.shapes[slot as usize], assets));
         found.clear();
         let meeting = Meeting::new(&scene, slots, dt);
-        meeting.collide((&solids[0], &solids[1]), &mut found);
         let shapes = (&state.shapes[slots[0] as usize], &state.shapes[slots[1] as usize]);
+        // As far as the narrowphase will look: a contact with a body that sleeps on would change its ends, and with
+        // them the ordering's graph, when that body wakes.
+        let solids = (&solids[0], &solids[1]);
+        let radii = settling_radii(shapes, assets).filter(|_| !rules.act(shapes));
+        match radii.filter(|&radii| meeting.is_slow(radii)) {
+            Some(_) => collide_at(&settled_base(&meeting.b_in_a), solids, &mut found),
+            None => meeting.collide(solids, &mut found),
+        }
         if !found.is_empty() && rules.let_begin(shapes, &meeting.b_in_a, &found) {
             scratch.marks[sleeper] = WAKE;
             any = true;
