@@ -23,8 +23,8 @@ use crate::scene::format::{
 use crate::scene::{Problem, Scene, SceneError};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Least substeps where something bounces: of a blow on a row of balls that touch, seven of which make a cradle, half
-/// the energy stays with one, nine tenths with two.
+/// Least substeps where something bounces: of a blow on a row of balls that touch, half the energy stays with one,
+/// nine tenths with two.
 const BOUNCE_SUBSTEPS: f64 = 2.0;
 /// Steps of gravity whose speed is no impact.
 const STEPS_OF_REST: f64 = 4.0;
@@ -315,8 +315,8 @@ impl<'a> Making<'a> {
         GeometryDoc::Hull(name)
     }
 
-    /// The name of the material of a geom's surface. What the geom's condim leaves out is 0: the other geom may have
-    /// it, and the larger one counts.
+    /// The name of the material of a geom's surface. What the geom's condim leaves out is 0: the other geom may
+    /// have it, and the larger one counts.
     fn material(&mut self, geom: &Geom) -> String {
         let own =
             |index: usize, condim: i32| if geom.condim < condim { 0.0 } else { geom.friction[index] as f32 };

@@ -5,7 +5,7 @@ use cellstep::mjcf::{Effect, Model};
 use cellstep::scene::{Build, Limits};
 use std::path::Path;
 
-/// Builds the world of a model without gravity, with bodies of `body` in the world and what is `beside` it; 1/1000 s.
+/// Builds the world of a model with bodies of `body` in the world and what is `beside` it; 1/1000 s.
 fn built(gravity: &str, body: &str, beside: &str) -> Build {
     let text = format!(
         "<mujoco><compiler angle='radian'/><option timestep='0.001' gravity='{gravity}'/>\
@@ -158,8 +158,10 @@ fn equalities_hold_and_excluded_bodies_pass() {
 fn what_is_otherwise_is_told() {
     let text = "<mujoco><worldbody>\
         <body><joint type='ball' range='0 30' damping='1'/><geom size='1'/>\
-          <body><joint axis='1 0 0'/><joint type='slide' axis='0 0 1'/><joint axis='0 1 0' pos='0 0 .5'/><geom size='1'/>\
-            <body><joint axis='1 0 0' armature='1'/><joint axis='1 1 0'/><joint axis='0 0 1'/><geom size='1'/></body>\
+          <body><joint axis='1 0 0'/><joint type='slide' axis='0 0 1'/><joint axis='0 1 0' pos='0 0 .5'/>\
+            <geom size='1'/>\
+            <body><joint axis='1 0 0' armature='1'/><joint axis='1 1 0'/><joint axis='0 0 1'/>\
+              <geom size='1'/></body>\
           </body>\
         </body>\
         <body name='m' pos='0 0 5'><joint name='j' stiffness='1'/><geom size='1'/></body>\
@@ -177,7 +179,8 @@ fn what_is_otherwise_is_told() {
         "joint/range of a ball: as a cone and a twist of that angle: not modelled",
         "joint: forces of a ball by its three turns, each by itself: not modelled",
         "joint: slides between the hinges of a body, which go before them instead: not modelled",
-        "joint/pos: axes of a body's hinges that do not meet, which turn about the point between them: not modelled",
+        "joint/pos: axes of a body's hinges that do not meet, which turn about the point between them: \
+         not modelled",
         "joint/axis: the second of three hinges not at right angles to the others: not modelled",
         "joint/range: the second of three hinges beyond 87 degrees, where the others turn as one: not modelled",
     ];

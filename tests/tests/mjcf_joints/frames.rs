@@ -1,4 +1,5 @@
-//! Where joints are: bodies are put where MuJoCo 4 puts them for given coordinates, and every joint has to show these.
+//! Where joints are: bodies are put where MuJoCo 4 puts them for given coordinates, and every joint has to show
+//! these.
 
 use cellstep::math::Rotation;
 use cellstep::mjcf::Model;
@@ -52,8 +53,8 @@ fn compounds_have_the_coordinates_of_mujoco() {
         ([0.299379759, -2.730052302, 0.900000000], [0.000000000, 0.000000000, 0.479425539, 0.877582562]),
         ([0.448132219, -2.825565158, 1.223223305], [-0.083871191, 0.153525186, 0.618046546, 0.766429454]),
     ]);
-    // MuJoCo's coordinates: 0.4, -0.3, 0.5 of the planar body; 0.7, 0.2 of the arm; 0.6, -0.8; 0.3, 0.5, -0.4; 0.9, -0.6,
-    // 0.15; a turn of 0.7 about (0.6, 0, 0.8); 0.2, -0.1, 0.35; 0.8 (0.3 in the beginning), 0.25.
+    // MuJoCo's coordinates: 0.4, -0.3, 0.5 of the planar body; 0.7, 0.2 of the arm; 0.6, -0.8; 0.3, 0.5, -0.4; 0.9,
+    // -0.6, 0.15; a turn of 0.7 about (0.6, 0, 0.8); 0.2, -0.1, 0.35; 0.8 (0.3 in the beginning), 0.25.
     let twist = 2.0 * (0.6 * 0.35f64.sin()).atan2(0.35f64.cos());
     let expected = [
         [0.0, 0.4, 0.3, 0.5, 0.0, 0.0],

@@ -58,8 +58,8 @@ pub(super) fn bounce<const N: usize>(
 }
 
 /// A point that departs keeps no warm start: its impulse was the blow of the last step. Given again, it would be
-/// taken back by the row itself, but its neighbours would have seen the velocity as an approach of their own: a ball
-/// that hits a row of touching balls then makes energy, four times what it brings.
+/// taken back by the row itself, but its neighbours would have seen the velocity as an approach of their own: a
+/// ball that hits a row of touching balls then makes energy, four times what it brings.
 pub(super) fn forget_blows<const N: usize>(
     line: &Line<'_>,
     row: &LinkRow,

@@ -5,9 +5,9 @@
 //! is z, the second y and the third x; slides come before the hinges. Where hinges come first, the same joint is
 //! seen from the other side: A is the child, the order is the opposite, and every value changes its sign.
 //!
-//! With z the axis of the first hinge, x that of the last and y across both, the frames of A and B stand at an angle
-//! of y in the beginning, 0 where the two axes are at right angles: so hinges need not be at right angles, but for
-//! the second of three, which has to be across the others.
+//! With z the axis of the first hinge, x that of the last and y across both, the frames of A and B stand at an
+//! angle of y in the beginning, 0 where the two axes are at right angles: so hinges need not be at right angles,
+//! but for the second of three, which has to be across the others.
 
 use super::super::math::{Turn, Vector, add, cross, direction, dot, scaled, sub};
 use super::super::model::{Joint, JointPart, Motion};

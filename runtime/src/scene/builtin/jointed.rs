@@ -124,13 +124,13 @@ pub fn ragdolls(size: u32) -> Scene {
             if along_y {
                 limb.shapes[0].rotation = Z_TO_Y;
             }
-            bodies.push(BodyDoc { linear_velocity: velocity, angular_damping: 0.5, ..limb });
+            bodies.push(BodyDoc { linear_velocity: velocity, angular_damping: 2.0, ..limb });
         }
         let at = |point: [f64; 3]| [x + point[0], y + point[1], point[2]];
         for ((a, b), point, turn, [cone, twist]) in BALLS {
             let mut ball = joint(JointKindDoc::Ball, &bodies, (first + a, first + b), (at(point), turn));
             ball.cone = Some(cone);
-            ball.axes.turn_x = Some(AxisDoc::limited(-twist, twist));
+            ball.axes.turn_x = Some(AxisDoc { friction: 0.3, ..AxisDoc::limited(-twist, twist) });
             joints.push(ball);
         }
         for ((a, b), point, turn, [lower, upper]) in HINGES {
@@ -139,7 +139,8 @@ pub fn ragdolls(size: u32) -> Scene {
             joints.push(hinge);
         }
     }
-    let settings = SettingsDoc { sleep_time: Some(0.5), ..SettingsDoc::default() };
+    // After one relax sweep dolls that lie on their arms go on rocking.
+    let settings = SettingsDoc { sleep_time: Some(0.5), relax_sweeps: Some(4), ..SettingsDoc::default() };
     Scene { settings, bodies, joints, ..Scene::default() }
 }
 
