@@ -31,8 +31,9 @@ const STEPS_OF_REST: f64 = 4.0;
 /// Seconds of rest after which imported bodies sleep.
 const SLEEP_TIME: f32 = 0.5;
 /// Sweeps that take back what position correction leaves in the velocities of long chains of joints: after one or
-/// two a ragdoll that lies on its arms goes on rocking, after three it comes to rest.
-const RELAX_SWEEPS: u32 = 4;
+/// two a ragdoll that lies on its arms goes on rocking, after four most come to rest, after eight all that were
+/// seen.
+const RELAX_SWEEPS: u32 = 8;
 /// Substeps of a scene take about as long as the engine's own default, 1/240 s.
 const SUBSTEPS_PER_SECOND: f64 = 240.0;
 /// Bits of a filter.

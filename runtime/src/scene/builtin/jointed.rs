@@ -140,7 +140,7 @@ pub fn ragdolls(size: u32) -> Scene {
         }
     }
     // After one relax sweep dolls that lie on their arms go on rocking.
-    let settings = SettingsDoc { sleep_time: Some(0.5), relax_sweeps: Some(4), ..SettingsDoc::default() };
+    let settings = SettingsDoc { sleep_time: Some(0.5), relax_sweeps: Some(8), ..SettingsDoc::default() };
     Scene { settings, bodies, joints, ..Scene::default() }
 }
 
