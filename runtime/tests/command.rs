@@ -154,8 +154,8 @@ fn models_are_imported_and_run() {
     let output = cellstep(&["run", model, "--steps", "1500", "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["joints"], &report["asleep"]), (&1.into(), &1.into()));
-    // What a scene may not say is not written.
-    let heavy = xml.replace("size='.1'", "size='.1' mass='1e300'");
+    // What a scene may not say is refused.
+    let heavy = xml.replace("size='.1'", "size='.1' mass='1e15'");
     std::fs::write(model, heavy).unwrap();
     let message = refusal(&["import", model]);
     assert!(message.contains("its scene is refused: ") && message.contains("bodies[1].mass"), "{message}");

@@ -118,7 +118,8 @@ impl Model {
         let bounces = self.colliding().any(|geom| geom.restitution > 0.0);
         let gravity = length(self.options.gravity);
         let least = (STEPS_OF_REST * gravity * self.options.timestep) as f32;
-        bounces.then_some(cellstep_core::config::RESTITUTION_THRESHOLD.min(least))
+        let usual = cellstep_core::config::RESTITUTION_THRESHOLD;
+        bounces.then_some(if least < usual { least } else { usual })
     }
 
     /// Whether geoms that collide have unlike sliding friction.
