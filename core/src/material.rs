@@ -1,7 +1,7 @@
 //! What surfaces do beyond friction and restitution, and how two of them go together.
 //!
-//! Friction and restitution stand in each shape. The rest is rare: it lies in a pool of its own, where shapes of the
-//! same traits share a row, and a shape without traits has none.
+//! Friction and restitution stand in each shape. The rest is rare: it lies in a pool of its own, where shapes of
+//! the same traits share a row, and a shape without traits has none.
 
 use crate::error::Error;
 use crate::math::{Vec3, length, max, min, normalize_or, sqrt};
@@ -55,7 +55,8 @@ impl Mix {
 /// Resistance is a torque of at most a length times the force of contact: `rolling` against turning about axes in
 /// the surface, `spinning` about the normal. Two shapes have the greater length of each. A solid ball of radius `r`
 /// that rolls on a plane slows down by `5/7 g rolling / r`, and stays at rest where the slope is less than
-/// `rolling / r`. Contacts of three and four points resist by themselves, and have no such torque.
+/// `rolling / r`. Contacts of three and four points resist by themselves, and have no such torque; nor have those
+/// of boxes and hulls that hardly move against each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MaterialTraits {
     /// How friction is mixed.

@@ -5,6 +5,7 @@
 //! ```
 //! Every stage takes the views it needs and an executor; a stage's tasks own what they write.
 
+pub(crate) mod articulations;
 pub(crate) mod assembly;
 pub(crate) mod broadphase;
 pub(crate) mod contacts;
@@ -22,6 +23,7 @@ pub(crate) mod rules;
 pub(crate) mod seat;
 pub(crate) mod sleep;
 pub(crate) mod solver;
+pub(crate) mod stiffening;
 pub(crate) mod tasks;
 
 use crate::cells::{IMMOVABLE, Scheduler};
@@ -36,6 +38,7 @@ use crate::shape::{
     GEOMETRY_HEIGHT_FIELD, GEOMETRY_HULL, GEOMETRY_MESH, GEOMETRY_ROUNDED_HULL, ShapeRow,
 };
 use crate::state::{AssetTables, Cache, Scratch, State};
+use articulations::Patterns;
 use layout::Plan;
 use ordering::Links;
 use solver::JointRows;
@@ -90,7 +93,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let looks = (&*assets, settings.dt, moved, woken);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     crew.executor.enter(Stage::Islands);
-    let links = activate(state, scratch, &mut crew);
+    let links = activate(state, (cache, scratch), &mut crew);
     crew.executor.enter(Stage::Ordering);
     let plan = ordering::run(state, (cache, scratch), (&change, links, settings), scheduler);
     crew.executor.enter(Stage::Assembly);
@@ -107,14 +110,17 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
             links: scratch.joint_links,
             locks: scratch.lock_rows,
             bounds: scratch.bound_rows,
+            nodes: scratch.node_rows,
+            blocks: scratch.block_rows,
         },
+        patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
         seats: scratch.seats,
         sources: cache.seat_sources,
         movers: scratch.movers,
     };
     solver::solve(&mut rows, settings, &mut crew);
     crew.executor.enter(Stage::Finish);
-    let joints = (&plan, links.joints, settings.substep());
+    let joints = (&plan, links.held(), settings.substep());
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
     finish::run(state, (cache, scratch), (&plan, settings), (&mut crew, &mut counts));
     if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
@@ -125,7 +131,11 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
 }
 
 /// Lists the bodies that take part in the solve, and the links between them.
-fn activate<E: Executor>(state: &State<'_>, scratch: &mut Scratch<'_>, crew: &mut Crew<'_, E>) -> Links {
+fn activate<E: Executor>(
+    state: &State<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    crew: &mut Crew<'_, E>,
+) -> Links {
     let header = &state.header[0];
     let mut count = 0;
     scratch.active_of[..header.bodies.high as usize].fill(IMMOVABLE);
@@ -136,8 +146,7 @@ fn activate<E: Executor>(state: &State<'_>, scratch: &mut Scratch<'_>, crew: &mu
             count += 1;
         }
     }
-    let (contacts, joints) = ordering::write_links(state, scratch, crew);
-    Links { bodies: count, contacts, joints }
+    ordering::write_links(state, (cache, scratch), count, crew)
 }
 
 fn report(

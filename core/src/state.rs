@@ -12,12 +12,15 @@ use crate::cells::{self, Block, Link, OrderingRow, UNORDERED};
 pub(crate) use crate::collide::hull::HullRow;
 use crate::collide::tree;
 use crate::config::SettingsRow;
-use crate::constraint::joint::{BoundRow, JointLink, LockRow};
+use crate::constraint::joint::{
+    BlockRow, BlockSpec, BoundRow, JointLink, LockRow, Member, NodeRow, NodeSpec, blocks_max, nodes_max,
+};
 use crate::constraint::row::{LinkRow, PointRow, ResistRow};
 use crate::joint::JointRow;
 use crate::lanes::Words;
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Aabb, Rotation, Vec3};
+use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::layout::{Group, Plan, links_max, mover_rows_max, seats_max};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::Seat;
@@ -231,8 +234,12 @@ pub(crate) struct CacheHeader {
     pub moving_listed: u32,
     /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
     pub queried: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Number of joints that are arranged, plus 1; 0 when there is no arrangement.
+    pub arranged: u32,
+    /// Of these, joints that are links of the ordering.
+    pub loose_joints: u32,
+    /// Rows of articulations.
+    pub articulations: u32,
 }
 
 region! {
@@ -249,6 +256,14 @@ region! {
         ordering: u32 = cells::upkeep_words(c.bodies as usize, links_max(c)),
         /// Slots of the joints among the links of the last update of the ordering.
         ordered_joints: u32 = c.joints as usize,
+        /// The joints that are arranged: their links between slots, from A to B, in the order of
+        /// the joints' slots.
+        arranged_links: Link = c.joints as usize,
+        /// Place of each of them: see `pipeline/articulations.rs`, as for the rest.
+        joint_order: u32 = c.joints as usize,
+        articulations: ArticulationRow = c.joints as usize / 2,
+        nodes: NodeSpec = nodes_max(c.joints as usize),
+        blocks: BlockSpec = blocks_max(c.joints as usize),
         /// The links that are laid out.
         links: Link = links_max(c),
         plan: Plan = 1,
@@ -259,7 +274,7 @@ region! {
         lane_seats: [u32; 16] = c.contacts as usize,
         /// Where a contact was placed: row * 8 + lane.
         contact_places: u32 = c.contacts as usize,
-        /// The same three for joints, by their place among the links that are joints.
+        /// The same three for joints, by their place.
         lane_joints: [u32; 8] = c.joints as usize,
         joint_seats: [u32; 16] = c.joints as usize,
         joint_places: u32 = c.joints as usize,
@@ -301,7 +316,7 @@ pub(crate) struct Reach {
     pub body: u32,
     /// Greatest corner.
     pub max: Vec3,
-    /// `Reach::HOME`, `Reach::DYNAMIC`.
+    /// `Reach::HOME`, `Reach::DYNAMIC`, `Reach::ASLEEP`.
     pub flags: u32,
     /// Origin of the shape's frame, from the middle of the body's sector.
     pub origin: Vec3,
@@ -314,6 +329,8 @@ impl Reach {
     pub const HOME: u32 = 1;
     /// The body is dynamic.
     pub const DYNAMIC: u32 = 2;
+    /// The body sleeps: nothing touches it in this step.
+    pub const ASLEEP: u32 = 4;
 }
 
 /// What a contact is in this step.
@@ -368,14 +385,20 @@ pub(crate) struct Active {
     pub root: [f32; 6],
     /// Slot of the body.
     pub body: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// What the principal moments of inertia gain in this step, kg m2: see `pipeline/stiffening.rs`.
+    pub stiffening: Vec3,
     /// Velocity gained from gravity and force in a substep, m/s.
     pub push: Vec3,
     /// Whitened angular velocity at the start of the step.
     pub whitened: Vec3,
-    /// Zero.
-    pub reserved_2: [u32; 2],
+}
+
+impl Active {
+    /// Moments of inertia in this step, kg m2.
+    #[inline]
+    pub fn inertia(&self, row: &BodyRow) -> Vec3 {
+        row.inertia + self.stiffening
+    }
 }
 
 region! {
@@ -418,8 +441,16 @@ region! {
         links: Link = links_max(c),
         /// The same links between slots of bodies.
         slot_links: Link = links_max(c),
-        /// Slots of the joints that are links.
+        /// Slots of the joints that hold something, by place.
         joint_slots: u32 = c.joints as usize,
+        /// The same in ascending order, and their links between slots, from A to B.
+        held_slots: u32 = c.joints as usize,
+        held_links: Link = c.joints as usize,
+        /// For arranging joints; of no length without any.
+        joint_sets: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        joint_set_sizes: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        joint_members: Member = c.joints as usize,
+        joint_runs: [u32; 2] = c.joints as usize / 2,
         phases: u8 = links_max(c),
         order: u32 = links_max(c),
         blocks: Block = links_max(c),
@@ -427,6 +458,9 @@ region! {
         joint_links: JointLink = c.joints as usize,
         lock_rows: LockRow = 6 * c.joints as usize,
         bound_rows: BoundRow = JOINT_BOUNDS * c.joints as usize,
+        /// Nodes and blocks of the articulations' matrices.
+        node_rows: NodeRow = nodes_max(c.joints as usize),
+        block_rows: BlockRow = blocks_max(c.joints as usize),
         joint_keys: u64 = c.joints as usize,
         /// First lock and first bound of each row of joints.
         joint_firsts: [u32; 2] = c.joints as usize,

@@ -236,6 +236,30 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "in 0.0..=1000000.0",
     ),
     (
+        "{\"materials\": {\"a\": {\"rolling\": 2e3}}}",
+        "line 1, column 33",
+        "materials.a.rolling: found 2000",
+        "in 0.0..=1000.0",
+    ),
+    (
+        "{\"materials\": {\"a\": {\"friction_mix\": \"least\"}}}",
+        "line 1, column 38",
+        "materials.a.friction_mix",
+        "expected one of `unset`",
+    ),
+    (
+        "{\"materials\": {\"a\": {\"surface_velocity\": [0, 1e5, 0]}}}",
+        "line 1, column 46",
+        "materials.a.surface_velocity[1]: found 100000",
+        "in -10000.0..=10000.0",
+    ),
+    (
+        "{\"materials\": {\"a\": {\"one_way\": [0, 0, 0]}}}",
+        "line 1, column 33",
+        "materials.a.one_way: found [0.0, 0.0, 0.0]",
+        "a direction of length 1e-5 at least",
+    ),
+    (
         "{\"hulls\": {\"h\": {\"points\": [[0,0,0]]}}}",
         "line 1, column 28",
         "hulls.h.points: found 1 points",

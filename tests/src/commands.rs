@@ -8,7 +8,7 @@ use crate::worlds::OwnedWorld;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     Axis, AxisLocks, BodyDef, BodyHandle, BodyKind, Error, Filter, Geometry, JointDef, JointHandle,
-    MassProperties, Position, Settings, ShapeDef, ShapeHandle,
+    MassProperties, MaterialTraits, PairMaterial, Position, Settings, ShapeDef, ShapeHandle,
 };
 
 /// A call that changes a world. The names are those of the methods of `World`.
@@ -39,6 +39,10 @@ pub enum Command {
     SetGeometry(ShapeHandle, Geometry, Pose),
     SetDensity(ShapeHandle, f32),
     SetMaterial(ShapeHandle, f32, f32),
+    SetMaterialTraits(ShapeHandle, MaterialTraits),
+    SetPairMaterial(ShapeHandle, ShapeHandle, PairMaterial),
+    IgnoreUntilSeparated(BodyHandle, BodyHandle),
+    StopIgnoring(BodyHandle, BodyHandle),
     SetFilter(ShapeHandle, Filter),
     CreateJoint(Box<JointDef>),
     RemoveJoint(JointHandle),
@@ -80,6 +84,10 @@ impl Command {
             Self::SetGeometry(shape, geometry, pose) => world.set_geometry(*shape, geometry, pose)?,
             Self::SetDensity(shape, density) => world.set_density(*shape, *density)?,
             Self::SetMaterial(shape, friction, bounce) => world.set_material(*shape, *friction, *bounce)?,
+            Self::SetMaterialTraits(shape, traits) => world.set_material_traits(*shape, traits)?,
+            Self::SetPairMaterial(a, b, material) => world.set_pair_material(*a, *b, material)?,
+            Self::IgnoreUntilSeparated(a, b) => world.ignore_until_separated(*a, *b)?,
+            Self::StopIgnoring(a, b) => world.stop_ignoring(*a, *b)?,
             Self::SetFilter(shape, filter) => world.set_filter(*shape, *filter)?,
             Self::SetSettings(settings) => world.set_settings(settings)?,
             of_body => return of_body.apply_to_body(world),

@@ -4,6 +4,7 @@
 //! meet, pile up on the ground and on a mesh, and are removed and replaced the whole time.
 
 mod joints;
+mod materials;
 
 use crate::commands::{Command, Outcome};
 use crate::executors::Random;
@@ -11,7 +12,7 @@ use crate::worlds::{self, OwnedWorld};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Error, Filter, Geometry, HullHandle,
-    JointHandle, MassProperties, MeshHandle, Position, Settings, ShapeDef, ShapeHandle,
+    JointHandle, MassProperties, MaterialTraits, MeshHandle, Position, Settings, ShapeDef, ShapeHandle,
 };
 
 /// Handles that are remembered; older ones are forgotten at random.
@@ -43,6 +44,8 @@ pub const CAPACITIES: Capacities = Capacities {
     mesh_vertices: 25,
     joints: 16,
     mesh_triangles: 32,
+    materials: 6,
+    pair_rules: 5,
     ..Capacities::for_bodies(0)
 };
 
@@ -208,7 +211,8 @@ impl Simulator {
 
     fn of_shape(&mut self) -> Command {
         let shape = self.shape();
-        match self.random.below(5) {
+        match self.random.below(8) {
+            5..=7 => self.of_material(),
             0 => Command::SetShapeUser(shape, self.random.bits()),
             1 => Command::SetGeometry(shape, self.geometry(), self.pose()),
             2 => Command::SetDensity(shape, self.random.between(0.0, 3000.0)),
@@ -308,6 +312,7 @@ impl Simulator {
             density: self.random.between(100.0, 2000.0),
             friction: self.random.between(0.0, 1.0),
             restitution: if self.random.below(3) == 0 { 0.6 } else { 0.0 },
+            traits: if self.random.below(4) == 0 { self.traits() } else { MaterialTraits::default() },
             filter: self.filter(),
             user: self.random.bits(),
             ..ShapeDef::new(self.geometry())

@@ -5,7 +5,7 @@
 //! the call once as it is (it must succeed), and then once for each number and each of NaN, +inf and -inf.
 
 use cellstep::math::{Pose, Rotation, Vec3};
-use cellstep::{Axis as JointAxis, Drive, JointDef, JointHandle, Spring};
+use cellstep::{Axis as JointAxis, Drive, JointDef, JointHandle, MaterialTraits, PairMaterial, Spring};
 use cellstep::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, CompoundChild, CompoundHandle, Error, Filter,
     Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, MassProperties, MeshHandle, Position, Serial,
@@ -113,8 +113,19 @@ impl Poison {
             density: self.number(100.0),
             friction: self.number(0.5),
             restitution: self.number(0.1),
+            traits: self.traits(),
             filter: Filter::default(),
             user: 0,
+        }
+    }
+
+    fn traits(&mut self) -> MaterialTraits {
+        MaterialTraits {
+            rolling: self.number(0.1),
+            spinning: self.number(0.2),
+            surface_velocity: self.vector(1.0, 2.0, 0.0),
+            one_way: Some(self.vector(0.0, 0.0, 1.0)),
+            ..MaterialTraits::default()
         }
     }
 
@@ -167,6 +178,7 @@ struct Fixture {
     body: BodyHandle,
     kinematic: BodyHandle,
     shape: ShapeHandle,
+    other_shape: ShapeHandle,
     joint: JointHandle,
 }
 
@@ -184,6 +196,8 @@ impl Fixture {
             compounds: 2,
             compound_children: 4,
             surfaces: 4,
+            materials: 1,
+            pair_rules: 1,
             ..Capacities::for_bodies(8)
         };
         let mut world = worlds::world_with(capacities);
@@ -198,7 +212,7 @@ impl Fixture {
         let (body, shape) = worlds::add(&mut world, &def, &cube);
         let def = BodyDef::new(BodyKind::Kinematic, Vec3::new(0.0, 0.0, 3.0));
         let ball = ShapeDef::new(Geometry::Sphere { radius: 0.5 });
-        let (kinematic, _) = worlds::add(&mut world, &def, &ball);
+        let (kinematic, other_shape) = worlds::add(&mut world, &def, &ball);
         let joint = JointDef::ball(
             [body, kinematic],
             [Pose::IDENTITY, Pose::new(Vec3::new(0.0, 0.0, -2.5), Rotation::IDENTITY)],
@@ -207,7 +221,7 @@ impl Fixture {
         if stepped {
             worlds::run(&mut world, 10);
         }
-        Self { world, body, kinematic, shape, joint }
+        Self { world, body, kinematic, shape, other_shape, joint }
     }
 }
 
@@ -286,6 +300,11 @@ const CASES: &[Case] = &[
     }),
     ("set_density", |f, p| f.world.set_density(f.shape, p.number(10.0))),
     ("set_material", |f, p| f.world.set_material(f.shape, p.number(0.1), p.number(0.2))),
+    ("set_material_traits", |f, p| f.world.set_material_traits(f.shape, &p.traits())),
+    ("set_pair_material", |f, p| {
+        let material = PairMaterial { friction: Some(p.number(0.1)), restitution: Some(p.number(0.2)) };
+        f.world.set_pair_material(f.shape, f.other_shape, &material)
+    }),
 ];
 
 /// Assets are registered before the first step.
@@ -317,6 +336,8 @@ const WITHOUT_NUMBERS: &[&str] = &[
     "set_body_user",
     "set_shape_user",
     "set_filter",
+    "ignore_until_separated",
+    "stop_ignoring",
     "restore",
     "load",
 ];
@@ -413,13 +434,14 @@ fn refused_assets_leave_no_trace() {
 fn stale_handles_and_wrong_kinds_are_refused() {
     for stepped in [false, true] {
         let mut f = Fixture::new(stepped);
-        let (body, shape) = (f.body, f.shape);
+        let (body, shape, other_shape) = (f.body, f.shape, f.other_shape);
         f.world.remove_body(body).expect("it exists");
         let ground = f.world.bodies().next().expect("the ground");
         let state = f.world.state().to_vec();
         for (name, call) in CASES {
             let mut none = Poison { target: usize::MAX, bad: 0.0, seen: 0 };
-            let mut stale = Fixture { world: f.world, body, kinematic: body, shape, joint: f.joint };
+            let mut stale =
+                Fixture { world: f.world, body, kinematic: body, shape, other_shape, joint: f.joint };
             let outcome = call(&mut stale, &mut none);
             f.world = stale.world;
             if matches!(*name, "create_body" | "set_settings") {

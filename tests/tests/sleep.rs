@@ -268,3 +268,46 @@ fn the_bits_are_the_same_with_any_executor_with_caches_or_without_and_after_rest
     }
     assert!(slept >= 8 && woke >= 8, "{slept} {woke}");
 }
+
+/// A static body that is put into a sleeper wakes it, whoever else is near.
+#[test]
+fn a_static_body_that_is_put_there_wakes() {
+    for watched in [false, true] {
+        let mut world = sleepy(4);
+        let sleeper = box_at(&mut world, 0.0, 0.0, 0.5);
+        let def = BodyDef::new(BodyKind::Static, Vec3::new(5.0, 0.0, 0.5));
+        let (block, _) = add(&mut world, &def, &cube());
+        run(&mut world, SOON);
+        if watched {
+            // Awake, and too far to touch.
+            let def = BodyDef {
+                gravity_scale: 0.0,
+                can_sleep: false,
+                ..BodyDef::new(BodyKind::Dynamic, Vec3::new(0.0, 1.04, 0.5))
+            };
+            add(&mut world, &def, &cube());
+        }
+        run(&mut world, 3);
+        assert_eq!(asleep(&world, &[sleeper]), 1);
+        world.set_pose(block, Position::at(Vec3::new(0.9, 0.0, 0.5)), Rotation::IDENTITY).expect("in range");
+        run(&mut world, 1);
+        assert_eq!(asleep(&world, &[sleeper]), 0);
+        run(&mut world, 30);
+        assert!(world.position(sleeper).expect("exists").to_f64()[0] < -0.05, "pushed out");
+    }
+}
+
+/// A body may rest so near a sleeper that points between them would be kept, but not so near that it wakes.
+#[test]
+fn a_body_that_stands_near_leaves_the_sleeper_asleep() {
+    for gap in [0.0205, 0.0215, 0.0225, 0.0235, 0.0245] {
+        let mut world = sleepy(4);
+        let sleeper = box_at(&mut world, 0.0, 0.0, 0.5);
+        run(&mut world, SOON);
+        let def =
+            BodyDef { can_sleep: false, ..BodyDef::new(BodyKind::Dynamic, Vec3::new(0.0, 1.0 + gap, 0.5)) };
+        add(&mut world, &def, &cube());
+        run(&mut world, 30);
+        assert_eq!(asleep(&world, &[sleeper]), 1, "{gap} m apart");
+    }
+}

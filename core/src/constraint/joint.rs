@@ -11,9 +11,17 @@
 //!
 //! Legend: as in `constraint/contact.rs`. `g` is the way from A's point to B's.
 
+mod articulation;
+mod elimination;
+mod factor;
 mod follow;
 mod solve;
 
+pub(crate) use articulation::Articulation;
+pub(crate) use elimination::{
+    BlockSpec, Elimination, JOINTS_MAX, Member, NONE, NodeSpec, Pattern, blocks_max, nodes_max,
+};
+pub(crate) use factor::{BlockRow, Matrix, NodeRow};
 pub(crate) use follow::{Bound, bounds_of, locks_of, place, weigh, wrench};
 
 use super::velocities::{Velocities, root_times};
@@ -69,6 +77,9 @@ pub(crate) struct JointLink {
     pub top_b: Lane,
     pub far_a: LaneVec,
     pub far_b: LaneVec,
+    /// Square roots of the inverse masses of A and B along the axes.
+    pub scale_a: LaneVec,
+    pub scale_b: LaneVec,
     /// From the centers to the points of the joint, and from the center of A to that of B.
     pub arm_a: LaneVec,
     pub arm_b: LaneVec,
@@ -198,6 +209,11 @@ impl JointLink {
 
     pub fn signature(&self) -> Signature {
         Signature(self.signature)
+    }
+
+    /// Inverse masses of both bodies along the axes, added.
+    fn masses(&self) -> LaneVec {
+        self.scale_a.each_times(self.scale_a) + self.scale_b.each_times(self.scale_b)
     }
 }
 

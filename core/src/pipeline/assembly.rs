@@ -9,6 +9,7 @@ use crate::joint::JointRow;
 use crate::lanes::{LANES, Words};
 use crate::material::MaterialRow;
 use crate::math::{PI, Vec3};
+use crate::pipeline::articulations::Patterns;
 use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::joints;
 use crate::pipeline::layout::{Group, Plan};
@@ -16,6 +17,7 @@ use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take, take_resists};
+use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
@@ -55,6 +57,12 @@ pub(crate) struct Scene<'a> {
 pub(crate) struct Softnesses {
     pub dynamic: Softness,
     pub immovable: Softness,
+}
+
+impl Softnesses {
+    fn new(settings: &Settings) -> Self {
+        Self { dynamic: Softness::new(settings, 1.0), immovable: Softness::new(settings, STATIC_STIFFNESS) }
+    }
 }
 
 /// How a row gives: the implicit spring of natural frequency f and damping ratio z as shares of a substep.
@@ -101,10 +109,11 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
+            active.stiffening = stiffening::stiffening(state, active.body, substep);
             active.linear = motion.linear;
-            active.angular = motion.angular;
+            active.angular = stiffening::eased(active, row, (principal, motion.angular));
             (active.root, active.whitened) =
-                root_and_whitened(principal, row.inertia, locks >> 3, motion.angular);
+                root_and_whitened(principal, active.inertia(row), locks >> 3, active.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
@@ -121,10 +130,7 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
-    let softness = Softnesses {
-        dynamic: Softness::new(settings, 1.0),
-        immovable: Softness::new(settings, STATIC_STIFFNESS),
-    };
+    let softness = Softnesses::new(settings);
     let scene = Scene {
         bodies: state.bodies,
         motions: state.motions,
@@ -157,6 +163,8 @@ pub(crate) fn fill<E: Executor>(
         links: &mut scratch.joint_links[..plan.joints],
         locks: &mut scratch.lock_rows[..plan.locks],
         bounds: &mut scratch.bound_rows[..plan.bounds],
+        nodes: &mut scratch.node_rows[..plan.nodes],
+        blocks: &mut scratch.block_rows[..plan.matrix_blocks],
     };
     let lanes = Lanes {
         seat_bodies: cache.seat_bodies,
@@ -164,6 +172,7 @@ pub(crate) fn fill<E: Executor>(
         contact_seats: cache.lane_seats,
         joints: cache.lane_joints,
         joint_seats: cache.joint_seats,
+        patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
     };
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     for groups in groups.chunks_mut(share) {
@@ -191,6 +200,7 @@ struct Lanes<'a> {
     contact_seats: &'a [[u32; 2 * LANES]],
     joints: &'a [[u32; LANES]],
     joint_seats: &'a [[u32; 2 * LANES]],
+    patterns: Patterns<'a>,
 }
 
 /// Groups in a row, of one or more phases, and what is theirs.
@@ -218,9 +228,11 @@ impl Task<'_> {
             let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
             let mut joints = self.joints.take(group);
+            let mut left = joints.reborrow();
             for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
-                joints::fill(scene, &mut joints, (&lanes.joints[row], &lanes.joint_seats[row]));
+                joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
             }
+            lanes.patterns.of(group).each(joints, |articulation| articulation.factor());
             let mut own_points = take(&mut points, group.points as usize);
             group.bounces = 0;
             let first = group.first_row as usize;

@@ -107,7 +107,9 @@ fn place_of(
     };
     let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
     let is_home = u32::from(motion.center.sector == home);
-    let flags = (Reach::HOME * is_home) | (Reach::DYNAMIC * u32::from(body.is_dynamic()));
+    let flags = (Reach::HOME * is_home)
+        | (Reach::DYNAMIC * u32::from(body.is_dynamic()))
+        | (Reach::ASLEEP * u32::from(body.has(ASLEEP)));
     let (min, max) = (bounds.reach.min, bounds.reach.max);
     let origin = pose.position + motion.center.offset;
     let radius = reach_radius(shape, (motion, assets, dt));
@@ -264,6 +266,7 @@ pub(crate) fn boxes_overlap(state: &State<'_>, a: u32, b: u32) -> bool {
 }
 
 /// True when two shapes can make contacts at all.
+#[inline(always)]
 pub(crate) fn may_meet(state: &State<'_>, a: u32, b: u32) -> bool {
     let (sa, sb) = (&state.shapes[a as usize], &state.shapes[b as usize]);
     let dynamic = |s: &ShapeRow| state.bodies[s.body as usize].is_dynamic();

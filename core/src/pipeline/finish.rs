@@ -200,7 +200,7 @@ impl Results<'_> {
         let (mover, lane) = (&self.movers[first_seat / LANES], first_seat % LANES);
         let u = self.seats[self.last_seats[index] as usize].velocity.to_array();
         let whitened = Vec3::new(u[4], u[5], u[6]);
-        let (displacement, rotation) = mover.outcome(lane, row);
+        let (displacement, rotation) = mover.outcome(lane, (&self.active[index], row));
         let after = Motion {
             center: motion.center.plus(displacement),
             rotation,

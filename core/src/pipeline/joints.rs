@@ -90,7 +90,10 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: u
         let locks = body.locks as u32;
         link.locked |= u32::from(locks != 0);
         let free = |axis: u32| if locks >> axis & 1 == 1 { 0.0 } else { body.inverse_mass };
-        masses += Vec3::new(free(0), free(1), free(2));
+        let inverse = Vec3::new(free(0), free(1), free(2));
+        masses += inverse;
+        let scale = if end == 0 { &mut link.scale_a } else { &mut link.scale_b };
+        scale.set(lane, Vec3::new(libm::sqrtf(inverse.x), libm::sqrtf(inverse.y), libm::sqrtf(inverse.z)));
         let root = if end == 0 { &mut link.root_a } else { &mut link.root_b };
         set_root(root, &body.root, lane);
         let row = &scene.bodies[slot];
@@ -101,9 +104,9 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: u
                 (&mut link.now_b, &mut link.back_b, &mut link.top_b, &mut link.far_b)
             };
             let principal = principal_rotation(&scene.motions[slot], row);
-            far.set(lane, principal.after(split_frame(row.inertia).0).rotate(Vec3::Z));
+            far.set(lane, principal.after(split_frame(body.inertia(row)).0).rotate(Vec3::Z));
             set_root(now, &body.root, lane);
-            set_root(back, &along_axes(&principal.matrix(), square_roots(row.inertia)), lane);
+            set_root(back, &along_axes(&principal.matrix(), square_roots(body.inertia(row))), lane);
             top.set(lane, 1.0);
             link.tops = 1;
         }
@@ -316,8 +319,10 @@ pub(crate) fn store<E: Executor>(
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
     struct Task<'a> {
+        /// Ascending.
         slots: &'a [u32],
-        places: &'a [u32],
+        /// Places of the same joints.
+        order: &'a [u32],
         /// Slot of the first of the rows.
         first: u32,
         rows: &'a mut [JointRow],
@@ -331,11 +336,11 @@ pub(crate) fn store<E: Executor>(
     let share = chunk(joints, STORE_JOINTS);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let (mut rest, mut first) = (&mut *state.joints, 0);
-    let slots = scratch.joint_slots[..joints].chunks(share);
-    for (slots, places) in slots.zip(cache.joint_places[..joints].chunks(share)) {
+    let slots = scratch.held_slots[..joints].chunks(share);
+    for (slots, order) in slots.zip(cache.joint_order[..joints].chunks(share)) {
         let end = slots[slots.len() - 1] + 1;
         let rows = take(&mut rest, (end - first) as usize);
-        push(&mut tasks, Task { slots, places, first, rows, broken: 0 });
+        push(&mut tasks, Task { slots, order, first, rows, broken: 0 });
         first = end;
     }
     let results = Results {
@@ -345,9 +350,9 @@ pub(crate) fn store<E: Executor>(
         firsts: scratch.joint_firsts,
     };
     crew.run(Stage::Finish, &mut tasks, |task| {
-        for (&slot, &place) in task.slots.iter().zip(task.places) {
+        for (&slot, &place) in task.slots.iter().zip(task.order) {
             let joint = &mut task.rows[(slot - task.first) as usize];
-            results.store(joint, place as usize);
+            results.store(joint, cache.joint_places[place as usize] as usize);
             task.broken += u32::from(joint.has(BROKEN));
         }
     });
@@ -370,6 +375,8 @@ fn measure_wrenches<E: Executor>(
         links: &mut scratch.joint_links[..plan.joints],
         locks: &mut scratch.lock_rows[..plan.locks],
         bounds: &mut scratch.bound_rows[..plan.bounds],
+        nodes: &mut scratch.node_rows[..plan.nodes],
+        blocks: &mut scratch.block_rows[..plan.matrix_blocks],
     };
     let mut tasks: Tasks<JointRows<'_>> =
         groups.chunks(chunk(groups.len(), 1)).map(|groups| rows.take_all(groups)).collect();

@@ -11,6 +11,7 @@
 use crate::cells::{Block, IMMOVABLE, Link, PHASES_MAX};
 use crate::joint::Signature;
 use crate::lanes::LANES;
+use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::seat::OWN;
 use crate::pipeline::tasks::TASKS_MAX;
 use crate::world::Capacities;
@@ -46,8 +47,13 @@ pub(crate) struct Group {
     pub locks: u32,
     pub first_bound: u32,
     pub bounds: u32,
-    /// Zero.
-    pub reserved: [u32; 2],
+    /// Rows of articulations, whose joints are all of the group's, and those of their matrices.
+    pub first_articulation: u32,
+    pub articulations: u32,
+    pub first_node: u32,
+    pub nodes: u32,
+    pub first_block: u32,
+    pub blocks: u32,
 }
 
 /// Groups of one phase.
@@ -64,7 +70,8 @@ pub(crate) struct Phase {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Plan {
-    pub phases: [Phase; PHASES_MAX],
+    /// Those of the ordering, then that of articulations if there are any.
+    pub phases: [Phase; PHASES_MAX + 1],
     /// At least 1 when there is an active body.
     pub phase_count: usize,
     pub groups: usize,
@@ -75,14 +82,19 @@ pub(crate) struct Plan {
     pub joints: usize,
     pub locks: usize,
     pub bounds: usize,
+    /// Nodes and blocks of matrices.
+    pub nodes: usize,
+    pub matrix_blocks: usize,
+    /// Blocks of the ordering, and articulations.
     pub blocks: usize,
 }
 
-/// The kind of a contact's link, to which 4 less its points is added, and 4 when a surface of it acts; those below are signatures of joints.
+/// The kind of a contact's link, to which 4 less its points is added, and 4 when a surface of it acts; those below
+/// are signatures of joints.
 const CONTACT_KIND: u32 = 1 << 27;
 
-/// The kind of a contact with so many points: neighbours in a lane should have as many, more points first. Those whose
-/// surfaces move or resist come last.
+/// The kind of a contact with so many points: neighbours in a lane should have as many, more points first. Those
+/// whose surfaces move or resist come last.
 pub(crate) fn contact_kind(points: usize, acts: bool) -> u32 {
     CONTACT_KIND + 4 - points as u32 + 4 * u32::from(acts)
 }
@@ -94,7 +106,9 @@ fn points_of(link: &Link) -> u32 {
 
 /// Most groups of any schedule.
 pub(crate) const fn groups_max(c: &Capacities) -> usize {
-    PHASES_MAX + links_max(c) / GROUP_LINKS + c.bodies as usize / GROUP_BODIES + 2
+    let articulations = c.joints as usize / 2;
+    let articulations = if articulations < LINK_GROUPS_MAX { articulations } else { LINK_GROUPS_MAX };
+    PHASES_MAX + links_max(c) / GROUP_LINKS + c.bodies as usize / GROUP_BODIES + 2 + articulations
 }
 
 /// Most links of a step: contacts, then joints.
@@ -116,10 +130,13 @@ pub(crate) const fn mover_rows_max(c: &Capacities) -> usize {
 /// The schedule to lay out.
 #[derive(Clone, Copy)]
 pub(crate) struct Schedule<'a> {
+    /// Contacts, then joints by place.
     pub links: &'a [Link],
-    /// How many of the links are contacts: the first ones.
+    /// How many of the links are contacts.
     pub contacts: u32,
+    /// Contacts and loose joints.
     pub order: &'a [u32],
+    pub articulations: &'a [ArticulationRow],
     pub blocks: &'a [Block],
     pub bodies: u32,
 }
@@ -149,7 +166,7 @@ pub(crate) struct Tables<'a> {
 /// Lays out a schedule. Seats, rows and points come phase by phase, group by group.
 pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>) -> Plan {
     let mut plan = Plan {
-        phases: [Phase::default(); PHASES_MAX],
+        phases: [Phase::default(); PHASES_MAX + 1],
         phase_count: 0,
         groups: 0,
         seats: 0,
@@ -158,6 +175,8 @@ pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>) -> Plan 
         joints: 0,
         locks: 0,
         bounds: 0,
+        nodes: 0,
+        matrix_blocks: 0,
         blocks: schedule.blocks.len(),
     };
     tables.last_seats[..schedule.bodies as usize].fill(OWN);
@@ -170,6 +189,9 @@ pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>) -> Plan 
         let (own, rest) = blocks.split_at(count);
         blocks = rest;
         lay_out_phase(schedule, own, tables, &mut plan);
+    }
+    if !schedule.articulations.is_empty() {
+        lay_out_articulations(schedule, tables, &mut plan);
     }
     // What phase 0 pulls from: the last seat of each body, unless it is its only one.
     let first = plan.phases[0].seats as usize;
@@ -216,6 +238,67 @@ fn lay_out_phase(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<
         seats: (plan.seats - first_seat) as u32,
     };
     plan.phase_count += 1;
+}
+
+/// Lays out the articulations in a phase of their own, after the others: their joints follow one another row by row.
+fn lay_out_articulations(schedule: &Schedule<'_>, tables: &mut Tables<'_>, plan: &mut Plan) {
+    let (first_seat, first_group) = (plan.seats, plan.groups);
+    let share = schedule.articulations.len().div_ceil(LINK_GROUPS_MAX);
+    for (i, rows) in schedule.articulations.chunks(share).enumerate() {
+        let mut group = Group {
+            phase: plan.phase_count as u32,
+            first_row: plan.rows as u32,
+            first_joint: plan.joints as u32,
+            first_lock: plan.locks as u32,
+            first_bound: plan.bounds as u32,
+            first_articulation: (i * share) as u32,
+            articulations: rows.len() as u32,
+            first_node: plan.nodes as u32,
+            first_block: plan.matrix_blocks as u32,
+            ..Group::zeroed()
+        };
+        for row in rows {
+            place_articulations(schedule, tables, plan, row);
+        }
+        group.joints = plan.joints as u32 - group.first_joint;
+        group.locks = plan.locks as u32 - group.first_lock;
+        group.bounds = plan.bounds as u32 - group.first_bound;
+        group.nodes = plan.nodes as u32 - group.first_node;
+        group.blocks = plan.matrix_blocks as u32 - group.first_block;
+        tables.groups[plan.groups] = group;
+        plan.groups += 1;
+        seat_group(schedule, tables, (plan, first_group + i), first_seat as u32);
+    }
+    plan.phases[plan.phase_count] = Phase {
+        first_group: first_group as u32,
+        groups: (plan.groups - first_group) as u32,
+        first_seat: first_seat as u32,
+        seats: (plan.seats - first_seat) as u32,
+    };
+    plan.phase_count += 1;
+}
+
+/// Writes the joints of a row of articulations to their rows and lanes.
+fn place_articulations(
+    schedule: &Schedule<'_>,
+    tables: &mut Tables<'_>,
+    plan: &mut Plan,
+    articulations: &ArticulationRow,
+) {
+    for k in 0..articulations.joints {
+        let lanes = articulations.first.map(|first| if first == EMPTY { EMPTY } else { first + k });
+        for (lane, &joint) in lanes.iter().enumerate().filter(|&(_, &joint)| joint != EMPTY) {
+            tables.joint_places[joint as usize] = (plan.joints * LANES + lane) as u32;
+        }
+        let signature = Signature(schedule.links[(schedule.contacts + lanes[0]) as usize].kind);
+        tables.lane_joints[plan.joints] = lanes;
+        plan.joints += 1;
+        plan.locks += signature.lock_rows();
+        plan.bounds += signature.bound_rows();
+    }
+    plan.nodes += articulations.nodes as usize;
+    plan.matrix_blocks += articulations.blocks as usize;
+    plan.blocks += articulations.first.iter().filter(|&&first| first != EMPTY).count();
 }
 
 /// Deals blocks to chains, each to the chain with the least links, the first of equals; long blocks come first.
@@ -273,7 +356,7 @@ fn list_joints(
     loads: &mut [u32; LINK_GROUPS_MAX * LANES],
 ) -> usize {
     let mut count = 0;
-    if schedule.links.len() as u32 == schedule.contacts {
+    if schedule.order.len() as u32 == schedule.contacts {
         return count;
     }
     for (block, &chain) in blocks.iter().zip(&*tables.block_chains) {

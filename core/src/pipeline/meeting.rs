@@ -69,6 +69,11 @@ impl Scene<'_> {
         self.reaches[shape as usize].flags & Reach::DYNAMIC != 0
     }
 
+    /// True when one of the bodies of two shapes sleeps.
+    pub fn sleeps(&self, [a, b]: [u32; 2]) -> bool {
+        (self.reaches[a as usize].flags | self.reaches[b as usize].flags) & Reach::ASLEEP != 0
+    }
+
     fn motion(&self, shape: u32) -> &Motion {
         &self.motions[self.reaches[shape as usize].body as usize]
     }
@@ -152,11 +157,6 @@ impl Meeting {
         // The angle is twice the imaginary part for a small turn; the real part is -1 as well as 1.
         way.dot(way) <= most && 4.0 * i.dot(i) * radius <= most
     }
-}
-
-/// The pose at which the points of a contact that settles are found, as it is kept.
-pub(crate) fn settled_base(b_in_a: &Pose) -> Pose {
-    unpack(&pack(b_in_a)).unwrap_or(Pose::IDENTITY)
 }
 
 /// Points of a settled contact: those found at its base, a little farther apart than they may come to touch.

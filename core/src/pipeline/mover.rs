@@ -238,9 +238,9 @@ impl MoverRow {
     }
 
     /// Motion of a body's center in the step, metres, and its orientation.
-    pub fn outcome(&self, lane: usize, row: &BodyRow) -> (Vec3, Rotation) {
+    pub fn outcome(&self, lane: usize, (active, row): (&Active, &BodyRow)) -> (Vec3, Rotation) {
         let frame = self.frame.get(lane);
-        let rotation = if is_top(row) { frame.after(frame_axes(row).inverse()) } else { frame };
+        let rotation = if is_top(row) { frame.after(frame_axes(active, row).inverse()) } else { frame };
         (self.displacement.get(lane), rotation.normalized())
     }
 
@@ -280,8 +280,8 @@ pub(crate) fn is_top(row: &BodyRow) -> bool {
 }
 
 /// The frame in which a free top is turned, in the body.
-fn frame_axes(row: &BodyRow) -> Rotation {
-    row.axes.after(integration::split_frame(row.inertia).0)
+fn frame_axes(active: &Active, row: &BodyRow) -> Rotation {
+    row.axes.after(integration::split_frame(active.inertia(row)).0)
 }
 
 /// What a body that turns as its velocity says has in its lane: `[frame, turn_max, whitening, near, far]` and
@@ -296,12 +296,12 @@ fn plain_words((active, motion, _): (&Active, &Motion, &BodyRow), substep: f32) 
 }
 
 /// The same of a free top.
-fn top_words((_, motion, row): (&Active, &Motion, &BodyRow), substep: f32) -> (Words, Words) {
-    let (axes, moments) = integration::split_frame(row.inertia);
+fn top_words((active, motion, row): (&Active, &Motion, &BodyRow), substep: f32) -> (Words, Words) {
+    let (axes, moments) = integration::split_frame(active.inertia(row));
     let principal = principal_rotation(motion, row);
     // Momentum W^-1 w~, and by the reference moment the velocity that all axes share.
     let share = substep / moments.x;
-    let roots = integration::square_roots(row.inertia);
+    let roots = integration::square_roots(active.inertia(row));
     let turn = integration::along_axes(&principal.matrix(), roots * share);
     // The fastest that this momentum can mean is about the axis of the least moment.
     let most = TURN_MAX * (min(moments.x, min(moments.y, moments.z)) / moments.x);
@@ -337,9 +337,10 @@ pub(crate) fn angular_velocity(
         return integration::root_times(&active.root, whitened);
     }
     let start = Turn::of(principal_rotation(motion, row));
-    let spin = start.undo(to_f64(motion.angular));
+    let spin = start.undo(to_f64(active.angular));
     let change = start.undo(to_f64(whitened - active.whitened));
-    let (inertia, root) = (to_f64(row.inertia), to_f64(integration::square_roots(row.inertia)));
+    let moments = active.inertia(row);
+    let (inertia, root) = (to_f64(moments), to_f64(integration::square_roots(moments)));
     let momentum = start.apply(core::array::from_fn(|i| inertia[i] * spin[i] + root[i] * change[i]));
     let end = Turn::of(rotation.after(row.axes));
     let local = end.undo(momentum);

@@ -9,7 +9,7 @@ use crate::executor::{Executor, Stage};
 use crate::math::{Pose, max, sqrt};
 use crate::pipeline::contacts::{self, Change, Yield};
 use crate::pipeline::meeting::{self, Meeting, Scene};
-use crate::pipeline::rules::Rules;
+use crate::pipeline::rules::{Acts, Rules};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid, solver};
 use crate::shape::{
@@ -119,7 +119,7 @@ impl Look<'_> {
 
     /// Contacts that a run of pairs may begin beyond one each: concave shapes have several.
     fn extra_births(&self, pairs: &[Pair]) -> usize {
-        if self.assets.meshes.len() + self.assets.height_fields.len() + self.assets.compounds.len() == 0 {
+        if !self.assets.have_concave() {
             return 0;
         }
         let concave = |slot: u32| {
@@ -181,8 +181,8 @@ struct Found<'a> {
     exchanged: bool,
     /// Whether some rule is about the shapes.
     ruled: bool,
-    /// Whether a surface moves or resists.
-    acts: bool,
+    /// What the surfaces do.
+    acts: Acts,
 }
 
 impl Found<'_> {
@@ -198,11 +198,24 @@ impl Found<'_> {
         }
     }
 
-    /// The touch of a manifold with this surface of a mesh or height field, 0 for none.
-    fn touch_of(&self, surface: u32, settled: bool, look: &Look<'_>) -> Touch {
-        let mut touch = self.touch(settled);
-        if surface != 0 || self.ruled {
-            self.take_material(surface, look, &mut touch);
+    /// The touch of a manifold that is not settled.
+    fn touch_of(&self, manifold: &Manifold, look: &Look<'_>) -> Touch {
+        let mut touch = self.touch(false);
+        if manifold.surface != 0 || self.ruled {
+            self.take_material(manifold.surface, look, &mut touch);
+            // More points than two resist by themselves.
+            if self.acts.moves || (self.acts.resists && manifold.points.len() <= 2) {
+                touch.settled = -1.0;
+            }
+        }
+        touch
+    }
+
+    /// The touch of a settled contact: of boxes and hulls, which have no surfaces of their own.
+    fn settled_touch(&self, look: &Look<'_>) -> Touch {
+        let mut touch = self.touch(true);
+        if self.ruled {
+            self.take_material(0, look, &mut touch);
         }
         touch
     }
@@ -219,9 +232,6 @@ impl Found<'_> {
             (frictions[concave], restitutions[concave]) = (surface.friction, surface.restitution);
         }
         look.rules.mix(self.shapes, frictions, restitutions, touch);
-        if self.acts {
-            touch.settled = -1.0;
-        }
     }
 }
 
@@ -261,15 +271,16 @@ impl Task<'_> {
     fn meet(&mut self, look: &Look<'_>, pair: Pair, room: &mut Room) {
         let slots = look.scene.in_order(pair);
         let shapes = (look.shape(slots[0]), look.shape(slots[1]));
-        if look.rules.ignore_any()
-            && look.rules.ignore(slots.map(|slot| look.scene.reaches[slot as usize].body))
+        if look.scene.sleeps(slots)
+            || (look.rules.ignore_any()
+                && look.rules.ignore(slots.map(|slot| look.scene.reaches[slot as usize].body)))
         {
             self.end_until(|row| row.pair == pair);
             return;
         }
         let meeting = Meeting::new(&look.scene, slots, look.dt);
         let ruled = look.rules.concern(shapes);
-        let acts = ruled && look.rules.act(shapes);
+        let acts = if ruled { look.rules.acts(shapes) } else { Acts::default() };
         let found = Found { pair, slots, shapes, meeting, exchanged: look.are_exchanged(slots), ruled, acts };
         // An old contact of a slot's former tenant, or of a changed shape, says nothing of this one.
         if (shapes.0.flags | shapes.1.flags) & FRESH != 0 {
@@ -277,13 +288,13 @@ impl Task<'_> {
         }
         let first = self.next;
         self.next += self.rows[first..].iter().take_while(|row| row.pair == pair).count();
-        let radii = if acts { None } else { meeting::settling_radii(shapes, look.assets) };
+        let radii = if acts.moves { None } else { meeting::settling_radii(shapes, look.assets) };
         let settles = radii.is_some_and(|radii| found.meeting.is_slow(radii));
         if let (Some(row), Some(radii)) = (self.rows[first..self.next].first(), radii) {
             let near = |base| found.meeting.is_near(&base, radii);
             let stays = settles && row.tag.is_settled() && meeting::unpack(&row.memory).is_some_and(near);
             if stays && (look.memos_fit || self.remember(look, &found, first)) {
-                self.touches[first] = found.touch_of(0, true, look);
+                self.touches[first] = found.settled_touch(look);
                 return;
             }
         }
@@ -349,7 +360,7 @@ impl Task<'_> {
             && row.memory[..POINTS_MAX] == features;
         if same {
             self.memos[first] = meeting::memo(manifold, &found.meeting.b_in_a, found.exchanged, false);
-            self.touches[first] = found.touch_of(manifold.surface, false, look);
+            self.touches[first] = found.touch_of(manifold, look);
         }
         same
     }
@@ -401,14 +412,14 @@ impl Task<'_> {
         let old = olds.iter().find(|old| old.row.tag.child() == manifold.child);
         carry_over(&mut row, &features, old, olds);
         if let Some(old) = old
-            && found.acts
+            && found.acts.resists
             && row.can_resist()
             && old.row.can_resist()
         {
             row.set_resistance(old.row.resistance());
         }
         let memo = meeting::memo(manifold, b_in_a, found.exchanged, base.is_some());
-        let touch = found.touch_of(manifold.surface, base.is_some(), look);
+        let touch = if base.is_some() { found.settled_touch(look) } else { found.touch_of(manifold, look) };
         if let Some(old) = old {
             self.rows[old.place] = row;
             self.memos[old.place] = memo;

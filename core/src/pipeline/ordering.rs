@@ -7,6 +7,7 @@ use crate::cells::{self, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDER
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
 use crate::joint::{BROKEN, JointRow};
+use crate::pipeline::articulations;
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
@@ -23,19 +24,19 @@ pub(crate) fn run<S: Scheduler>(
     (change, links, settings): (&Change, Links, &Settings),
     scheduler: Option<&mut S>,
 ) -> Plan {
-    let count = links.contacts + links.joints;
+    let (count, all) = (links.contacts + links.joints, links.contacts + links.held());
     let kept = keep(state, (cache, scratch), (change, links), settings.block_links);
     let header = &cache.header[0];
-    let same_size = header.laid_out as usize == count + 1 && header.laid_out_bodies as usize == links.bodies;
-    if kept && scheduler.is_none() && same_size && cache.links[..count] == scratch.links[..count] {
+    let same_size = header.laid_out as usize == all + 1 && header.laid_out_bodies as usize == links.bodies;
+    if kept && scheduler.is_none() && same_size && cache.links[..all] == scratch.links[..all] {
         return cache.plan[0];
     }
     // A layout by another ordering serves one step only.
-    cache.header[0].laid_out = if scheduler.is_none() { count as u32 + 1 } else { 0 };
+    cache.header[0].laid_out = if scheduler.is_none() { all as u32 + 1 } else { 0 };
     cache.header[0].laid_out_bodies = links.bodies as u32;
     let blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
     let plan = lay_out(cache, scratch, (links, blocks));
-    cache.links[..count].copy_from_slice(&scratch.links[..count]);
+    cache.links[..all].copy_from_slice(&scratch.links[..all]);
     cache.plan[0] = plan;
     plan
 }
@@ -45,7 +46,17 @@ pub(crate) fn run<S: Scheduler>(
 pub(crate) struct Links {
     pub bodies: usize,
     pub contacts: usize,
+    /// Joints that are links of the ordering.
     pub joints: usize,
+    /// Joints of articulations: they come after those.
+    pub articulated: usize,
+}
+
+impl Links {
+    /// Joints that hold something.
+    pub fn held(&self) -> usize {
+        self.joints + self.articulated
+    }
 }
 
 /// Brings the ordering to the step's links. True when it is that of the step before.
@@ -192,9 +203,10 @@ fn schedule<S: Scheduler>(
 fn lay_out(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, (links, blocks): (Links, usize)) -> Plan {
     let count = links.contacts + links.joints;
     let schedule = layout::Schedule {
-        links: &scratch.links[..count],
+        links: &scratch.links[..links.contacts + links.held()],
         contacts: links.contacts as u32,
         order: &scratch.order[..count],
+        articulations: &cache.articulations[..cache.header[0].articulations as usize],
         blocks: &scratch.blocks[..blocks],
         bodies: links.bodies as u32,
     };
@@ -218,12 +230,13 @@ fn lay_out(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, (links, blocks): (L
 }
 
 /// Writes the links of the step, between active bodies for the layout and between slots for the ordering: contacts,
-/// then joints that hold a dynamic body. Returns the numbers of both.
+/// then joints that hold a dynamic body, by place.
 pub(crate) fn write_links<E: Executor>(
     state: &State<'_>,
-    scratch: &mut Scratch<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    bodies: usize,
     crew: &mut Crew<'_, E>,
-) -> (usize, usize) {
+) -> Links {
     struct Task<'a> {
         rows: &'a [ContactRow],
         touches: &'a [Touch],
@@ -250,7 +263,8 @@ pub(crate) fn write_links<E: Executor>(
         }
     });
     drop(tasks);
-    (count, write_joints(state, scratch, count))
+    let (joints, articulated) = write_joints(state, (cache, scratch), count);
+    Links { bodies, contacts: count, joints, articulated }
 }
 
 /// A link between active bodies, and between slots. The first end moves.
@@ -261,24 +275,70 @@ fn link_of(slots: [u32; 2], active_of: &[u32], kind: u32) -> (Link, Link) {
     (Link { a: active[0], b: active[1], kind }, Link { a: slots[0], b, kind })
 }
 
-/// Writes the links of joints after the contacts. Returns how many they are.
-fn write_joints(state: &State<'_>, scratch: &mut Scratch<'_>, contacts: usize) -> usize {
+/// Writes the links of joints after the contacts. Returns how many are loose, and how many articulated.
+fn write_joints(
+    state: &State<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    contacts: usize,
+) -> (usize, usize) {
+    let held = list_held(state, scratch);
+    let loose = arrange(cache, scratch, held);
     let active_of = &*scratch.active_of;
-    let mut joints = 0;
+    for (rank, &slot) in scratch.held_slots[..held].iter().enumerate() {
+        let place = cache.joint_order[rank] as usize;
+        scratch.joint_slots[place] = slot;
+        let joint = &state.joints[slot as usize];
+        let [a, b] = joint.bodies;
+        let slots = if active_of[a as usize] == IMMOVABLE { [b, a] } else { [a, b] };
+        let i = contacts + place;
+        (scratch.links[i], scratch.slot_links[i]) = link_of(slots, active_of, joint.signature().0);
+    }
+    (loose, held - loose)
+}
+
+/// Lists the joints that hold a dynamic body, ascending, and their links. Returns how many they are.
+fn list_held(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
+    let active_of = &*scratch.active_of;
+    let mut held = 0;
     for slot in crate::pool::iterate(state.joint_used, state.header[0].joints.high) {
         let joint = &state.joints[slot as usize];
         let signature = joint.signature();
-        let [a, b] = joint.bodies;
         let holds = signature.lock_rows() + signature.bound_rows() > 0 && !joint.has(BROKEN);
-        let moves = active_of[a as usize] != IMMOVABLE || active_of[b as usize] != IMMOVABLE;
-        if !holds || !moves {
-            continue;
+        let end = |body: u32| if active_of[body as usize] == IMMOVABLE { IMMOVABLE } else { body };
+        let [a, b] = joint.bodies.map(end);
+        if holds && (a != IMMOVABLE || b != IMMOVABLE) {
+            scratch.held_slots[held] = slot;
+            scratch.held_links[held] = Link { a, b, kind: signature.0 };
+            held += 1;
         }
-        let slots = if active_of[a as usize] == IMMOVABLE { [b, a] } else { [a, b] };
-        let i = contacts + joints;
-        (scratch.links[i], scratch.slot_links[i]) = link_of(slots, active_of, signature.0);
-        scratch.joint_slots[joints] = slot;
-        joints += 1;
     }
-    joints
+    held
+}
+
+/// Arranges the held joints, unless they are those of the step before. Returns how many are loose.
+fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize) -> usize {
+    let links = &scratch.held_links[..held];
+    let header = &mut cache.header[0];
+    if header.arranged as usize == held + 1 && cache.arranged_links[..held] == *links {
+        return header.loose_joints as usize;
+    }
+    let mut tables = articulations::Tables {
+        places: cache.joint_order,
+        rows: cache.articulations,
+        nodes: cache.nodes,
+        blocks: cache.blocks,
+        sets: scratch.joint_sets,
+        sizes: scratch.joint_set_sizes,
+        keys: scratch.joint_keys,
+        members: scratch.joint_members,
+        found: scratch.joint_runs,
+    };
+    let arrangement = articulations::arrange(links, &mut tables);
+    cache.arranged_links[..held].copy_from_slice(links);
+    header.arranged = held as u32 + 1;
+    header.loose_joints = arrangement.loose as u32;
+    header.articulations = arrangement.rows as u32;
+    // Equal links may lie in other rows.
+    header.laid_out = 0;
+    arrangement.loose
 }

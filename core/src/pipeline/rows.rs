@@ -449,8 +449,8 @@ impl Sides {
         }
     }
 
-    /// Velocities of the surfaces of immovable bodies that move, where those of dynamic ones are in their seats; and
-    /// of surfaces that move on their bodies, as far as they lie across the normal.
+    /// Velocities of the surfaces of immovable bodies that move, where those of dynamic ones are in their seats;
+    /// and of surfaces that move on their bodies, as far as they lie across the normal.
     fn write_surfaces(
         &self,
         scene: &Scene<'_>,

@@ -15,6 +15,15 @@ use crate::shape::{MATERIAL_SHIFT, ShapeRow};
 use crate::state::{AssetTables, State, Touch};
 use bytemuck::Zeroable;
 
+/// What surfaces do of which the solve has to know.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Acts {
+    /// A surface moves: their contact does not settle.
+    pub moves: bool,
+    /// A surface resists rolling or spinning: of a contact that has settled none is asked.
+    pub resists: bool,
+}
+
 /// What the materials and rules of a world say.
 #[derive(Clone, Copy)]
 pub(crate) struct Rules<'a> {
@@ -47,12 +56,10 @@ impl<'a> Rules<'a> {
         self.ignore_any() && find_rule(self.ignored, RULE_IGNORE, bodies).is_ok()
     }
 
-    /// True when a surface of two shapes moves, or resists rolling or spinning.
-    pub fn act(&self, (a, b): (&ShapeRow, &ShapeRow)) -> bool {
-        [a, b].into_iter().any(|shape| {
-            let row = shape.traits(self.materials);
-            row.resists() || row.moves()
-        })
+    /// What the surfaces of two shapes do.
+    pub fn acts(&self, (a, b): (&ShapeRow, &ShapeRow)) -> Acts {
+        let (a, b) = (a.traits(self.materials), b.traits(self.materials));
+        Acts { moves: a.moves() || b.moves(), resists: a.resists() || b.resists() }
     }
 
     /// Writes friction and restitution of two shapes, given those of each.
@@ -74,8 +81,8 @@ impl<'a> Rules<'a> {
         }
     }
 
-    /// True when two shapes that did not touch may begin to: neither is one-way, or all that was found is on the solid
-    /// side and hardly overlaps. `found` is in the frame of the first shape.
+    /// True when two shapes that did not touch may begin to: neither is one-way, or all that was found is on the
+    /// solid side and hardly overlaps. `found` is in the frame of the first shape.
     pub fn let_begin(&self, (a, b): (&ShapeRow, &ShapeRow), b_in_a: &Pose, found: &Manifolds) -> bool {
         let (ma, mb) = (a.traits(self.materials), b.traits(self.materials));
         if ma.one_way == Vec3::ZERO && mb.one_way == Vec3::ZERO {

@@ -2,12 +2,13 @@
 //!
 //! An island is a set of dynamic bodies that are joined by contacts and joints. It falls asleep at the end of a
 //! step when each of its bodies has been quiet for `Settings::sleep_time` and none of them is kept awake, or
-//! touches a kinematic body that moves, or a surface that moves on its body. Its pairs and contacts go to arrays of their own, so that the stages of a
-//! step do not see them at all; its shapes join the tree of what rests.
+//! touches a kinematic body that moves, or a surface that moves on its body. Its pairs and contacts go to arrays of
+//! their own, so that the stages of a step do not see them at all; its shapes join the tree of what rests.
 //!
 //! It wakes, as a whole and before the contacts of the step are found, when
 //! - a call changes one of its bodies, or a body that one of them touches or is joined to;
-//! - one of its shapes gets points of contact with an awake body, or with a kinematic one that moves;
+//! - one of its shapes gets points of contact with an awake body, with a kinematic one that moves, or with one that
+//!   was put there;
 //! - a joint ties it to such a body;
 //! - gravity changes.
 //!
@@ -20,7 +21,7 @@ use crate::collide::Manifolds;
 use crate::joint::BROKEN;
 use crate::math::Vec3;
 use crate::pipeline::broadphase::{key, merge_sorted, pair_of, place_shape};
-use crate::pipeline::meeting::{Meeting, Scene, collide_at, settled_base, settling_radii};
+use crate::pipeline::meeting::{Meeting, Scene};
 use crate::pipeline::ordering::Links;
 use crate::pipeline::rules::Rules;
 use crate::pipeline::{Counts, solid};
@@ -111,24 +112,33 @@ fn is_driven(row: &BodyRow, motion: &Motion) -> bool {
     row.kind() == BodyKind::Kinematic && (motion.linear != Vec3::ZERO || motion.angular != Vec3::ZERO)
 }
 
-/// Marks bodies that get points of contact with a busy one in this step.
+/// Marks bodies that get points of contact with a busy one in this step, or with one that was put there.
 fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     let mut found = Manifolds::new();
     let rules = Rules::new(state.materials, &state.pair_rules[..state.header[0].pair_rules as usize]);
+    let lie = &state.asleep_pairs[..state.header[0].asleep_pairs as usize];
+    let lies = |pair: Pair| lie.binary_search(&pair).is_ok();
     for &pair in &state.pairs[..state.header[0].pairs as usize] {
         let body = |shape: u32| state.shapes[shape as usize].body as usize;
         let busy = |slot: usize| is_busy(&state.bodies[slot], &state.motions[slot]);
         let (a, b) = (body(pair.a), body(pair.b));
-        let (asleep, sleeper) = match (state.bodies[a].has(ASLEEP), state.bodies[b].has(ASLEEP)) {
-            (true, false) if busy(b) => (pair.a, a),
-            (false, true) if busy(a) => (pair.b, b),
-            _ => continue,
-        };
+        let sleeps = [a, b].map(|slot| state.bodies[slot].has(ASLEEP));
+        if sleeps == [false; 2] {
+            continue;
+        }
+        // Placed even where nothing wakes: the narrowphase sees by the reach that the body sleeps.
+        for (shape, _) in [pair.a, pair.b].into_iter().zip(sleeps).filter(|(_, sleeps)| *sleeps) {
+            place_shape(state, (assets, dt), (None, scratch), shape);
+        }
+        let (sleeper, other) = if sleeps[0] { (a, b) } else { (b, a) };
+        // What has rested there since it fell asleep does not wake it; what was put there does.
+        if sleeps == [true; 2] || (!busy(other) && lies(pair)) {
+            continue;
+        }
         if scratch.marks[sleeper] != 0 || rules.ignore([a as u32, b as u32]) {
             continue;
         }
-        place_shape(state, (assets, dt), (None, scratch), asleep);
         let scene = Scene {
             shapes: state.shapes,
             motions: state.motions,
@@ -142,15 +152,8 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
         let solids = slots.map(|slot| solid(&state.shapes[slot as usize], assets));
         found.clear();
         let meeting = Meeting::new(&scene, slots, dt);
+        meeting.collide((&solids[0], &solids[1]), &mut found);
         let shapes = (&state.shapes[slots[0] as usize], &state.shapes[slots[1] as usize]);
-        // As far as the narrowphase will look: a contact with a body that sleeps on would change its ends, and with
-        // them the ordering's graph, when that body wakes.
-        let solids = (&solids[0], &solids[1]);
-        let radii = settling_radii(shapes, assets).filter(|_| !rules.act(shapes));
-        match radii.filter(|&radii| meeting.is_slow(radii)) {
-            Some(_) => collide_at(&settled_base(&meeting.b_in_a), solids, &mut found),
-            None => meeting.collide(solids, &mut found),
-        }
         if !found.is_empty() && rules.let_begin(shapes, &meeting.b_in_a, &found) {
             scratch.marks[sleeper] = WAKE;
             any = true;
@@ -392,7 +395,7 @@ fn is_carried(state: &State<'_>, touch: &Touch) -> bool {
 
 /// Unites the bodies of the step's links; bodies that a moving kinematic one touches are restless.
 fn unite_active(state: &State<'_>, scratch: &mut Scratch<'_>, links: Links, driven: bool) {
-    let count = links.contacts + links.joints;
+    let count = links.contacts + links.held();
     for (i, link) in scratch.slot_links[..count].iter().enumerate() {
         if i < links.contacts && is_carried(state, &scratch.touches[i]) {
             scratch.marks[link.a as usize] = RESTLESS;

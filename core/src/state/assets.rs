@@ -158,6 +158,13 @@ impl<'a> AssetTables<'a> {
         self.hulls.get(index as usize).is_some_and(|row| row.vertex_count > 0)
     }
 
+    /// True when a mesh, a height field or a compound was registered: the first one is in the first row.
+    pub fn have_concave(&self) -> bool {
+        self.meshes.first().is_some_and(|row| row.triangles > 0)
+            || self.height_fields.first().is_some_and(|row| row.columns > 0)
+            || self.compounds.first().is_some_and(|row| row.children > 0)
+    }
+
     /// The same for a compound.
     pub fn has_compound(&self, index: u32) -> bool {
         self.compounds.get(index as usize).is_some_and(|row| row.children > 0)

@@ -71,8 +71,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     ///
     /// # Errors
     /// [`Error::Stale`]; [`Error::Full`] when there is no room in
-    /// [`Capacities::pair_rules`](crate::Capacities::pair_rules); [`Error::OutOfRange`] for a shape with itself; or a
-    /// number is refused, see [`PairMaterial`].
+    /// [`Capacities::pair_rules`](crate::Capacities::pair_rules); [`Error::OutOfRange`] for a shape with itself;
+    /// or a number is refused, see [`PairMaterial`].
     pub fn set_pair_material(
         &mut self,
         a: ShapeHandle,
@@ -105,10 +105,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             .map_or_else(|_| PairMaterial::default(), |i| rules[i].read()))
     }
 
-    /// Lets two bodies pass through each other until they are apart: no contacts are made between them from the next
-    /// step on, up to the first step in which none of their shapes are within the distance at which contacts are
-    /// found (2 cm, and the way of the step). Where they are apart already it ends in the next step. Joints hold
-    /// as before.
+    /// Lets two bodies pass through each other until they are apart: no contacts are made between them from the
+    /// next step on, up to the first step in which none of their shapes are within the distance at which contacts
+    /// are found (2 cm, and the way of the step). Where they are apart already it ends in the next step. Joints
+    /// hold as before.
     ///
     /// # Errors
     /// [`Error::Stale`]; [`Error::Full`] when there is no room in

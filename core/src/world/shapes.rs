@@ -19,8 +19,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, or of `materials`), [`Error::WrongKind`] for a half-space, a mesh or a
-    /// height field on a dynamic body, or a number of the definition is refused; see [`ShapeDef`].
+    /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, or of `materials`), [`Error::WrongKind`] for a
+    /// half-space, a mesh or a height field on a dynamic body, or a number of the definition is refused; see
+    /// [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;

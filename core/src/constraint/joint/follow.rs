@@ -274,15 +274,15 @@ fn efforts(locks: &[LockRow], bounds: &[BoundRow]) -> [LaneVec; 3] {
 }
 
 /// Brings arms, axes, errors and rows to the end of the substep.
-pub(super) fn follow<const N: usize>(
+pub(super) fn follow(
     link: &mut JointLink,
-    (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
+    (locks, bounds): (&mut [LockRow], &mut [BoundRow]),
     seats: &[Seat],
     (substep, masses): (f32, LaneVec),
 ) {
     let signature = link.signature();
     let before = efforts(locks, bounds);
-    let measures = !bounds.is_empty() || (signature.is_distance() && N > 0);
+    let measures = !bounds.is_empty() || (signature.is_distance() && !locks.is_empty());
     let old = measures.then(|| Basis::of(link));
     let [moved, turn_a, turn_b] = advance(link, seats, substep);
     let new = place(link, locks, bounds);
@@ -304,7 +304,7 @@ pub(super) fn follow<const N: usize>(
                 (old.turns[axis - 3] + new.turns[axis - 3]).dot(turned)
             }
         };
-        if signature.is_distance() && N > 0 {
+        if signature.is_distance() && !locks.is_empty() {
             locks[0].error = locks[0].error + change(0);
         }
         for (row, bound) in bounds.iter_mut().zip(bounds_of(signature)) {

@@ -11,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 pub(super) const PIVOT_SHARE: f32 = 1.0e-5;
 
 /// Fastest way back of a rigid lock, m/s or rad/s: joints that contradict each other must not fling what they hold.
-const NUDGE_MAX: f32 = 10.0;
+pub(super) const NUDGE_MAX: f32 = 10.0;
 
 /// Applies the impulses of the step before.
 pub(super) fn warm<const N: usize>(u: &mut Velocities, locks: &[LockRow; N], bounds: &[BoundRow]) {
@@ -29,24 +29,13 @@ pub(super) fn biased<const N: usize>(
     link: &mut JointLink,
     (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
 ) {
-    if link.turns != 0 {
-        u.push(link.turn_push, (link.turn_a, link.turn_b));
-        link.turns = 0;
-    }
-    for row in bounds {
-        row.aim(true);
-        row.solve(u);
-    }
-    for row in locks.iter_mut() {
-        // A spring is a force; the errors of rigid locks are nudged away.
-        row.aim = row.give.greater(Lane::ZERO).keep(row.error * row.rate);
-    }
-    let wanted = core::array::from_fn(|i| locks[i].aim + locks[i].give * locks[i].impulse);
+    link.take_turns(u);
+    BoundRow::visit(bounds, u, true);
+    let wanted = core::array::from_fn(|i| locks[i].wanted(true));
     let x = solve_locks(u, locks, wanted);
     for (row, x) in locks.iter_mut().zip(x) {
-        let after = (row.impulse + x).finite().flushed();
-        row.ways.apply(u, after - row.impulse);
-        row.impulse = after;
+        let x = row.add(x);
+        row.ways.apply(u, x);
     }
 }
 
@@ -59,17 +48,10 @@ pub(super) fn nudge<const N: usize>(
     sweep: &Sweep,
 ) {
     let curvature = curvature(u, link, sweep.substep);
-    let most = Lane::splat(NUDGE_MAX);
-    let wanted = core::array::from_fn(|i| {
-        let row = &locks[i];
-        // Immovable bodies have no nudges: their motion is in the velocities.
-        let back = (row.error * row.rate).least(most).greatest(-most);
-        back + row.ways.direction.dot(curvature) - row.ways.drift
-    });
+    let wanted = core::array::from_fn(|i| locks[i].wanted_nudge(curvature));
     let x = solve_locks(nudges, locks, wanted);
     for (row, x) in locks.iter().zip(x) {
-        let x = row.give.greater(Lane::ZERO).select(Lane::ZERO, x.finite());
-        row.ways.apply(nudges, x);
+        row.apply_nudge(nudges, x);
     }
 }
 
@@ -84,25 +66,13 @@ pub(super) fn relaxed<const N: usize>(
     (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
     means: &[Push; N],
 ) {
-    for row in bounds {
-        row.aim(false);
-        row.solve(u);
-    }
-    let wanted = core::array::from_fn(|i| {
-        let row = &locks[i];
-        // A spring keeps its aim; a rigid row leaves the velocity without correction.
-        row.give.greater(Lane::ZERO).keep(row.aim) + row.give * row.impulse
-    });
+    BoundRow::visit(bounds, u, false);
+    let wanted = core::array::from_fn(|i| locks[i].wanted(false));
     let x = solve_locks(u, locks, wanted);
     for ((row, mean), x) in locks.iter_mut().zip(means).zip(x) {
-        let after = (row.impulse + x).finite().flushed();
-        let x = after - row.impulse;
-        row.impulse = after;
+        let x = row.add(x);
         mean.apply(u, x);
-        // The next substep's warm start is along the axes of now.
-        link.turn_push = link.turn_push + (row.ways.direction - mean.direction).times(x);
-        link.turn_a = link.turn_a + (row.ways.a - mean.a).times(x);
-        link.turn_b = link.turn_b + (row.ways.b - mean.b).times(x);
+        link.note_turn(row, mean, x);
     }
 }
 
@@ -116,6 +86,8 @@ pub(crate) struct Push {
 }
 
 impl Push {
+    pub const NONE: Self = Self { direction: LaneVec::ZERO, a: LaneVec::ZERO, b: LaneVec::ZERO };
+
     pub fn of(ways: &Ways) -> Self {
         Self { direction: ways.direction, a: ways.a, b: ways.b }
     }
@@ -131,7 +103,7 @@ impl Push {
     }
 
     #[inline(always)]
-    fn apply(&self, u: &mut Velocities, x: Lane) {
+    pub fn apply(&self, u: &mut Velocities, x: Lane) {
         u.apply(self.direction, (self.a, self.b), x);
     }
 }
@@ -152,7 +124,7 @@ pub(super) fn take_along(pushes: &mut [Push], link: &JointLink, axes: (LaneVec, 
 /// How much faster the points part in the mean of the substep than now because the bodies turn: by half a substep's
 /// acceleration.
 #[inline(always)]
-fn curvature(u: &Velocities, link: &JointLink, substep: f32) -> LaneVec {
+pub(super) fn curvature(u: &Velocities, link: &JointLink, substep: f32) -> LaneVec {
     let (spin_a, spin_b) = link.spins(u);
     let about_a = spin_a.cross(link.arm_a);
     let about_b = spin_b.cross(link.arm_b);
@@ -197,7 +169,74 @@ fn top_way(
     Turning::new(middle.times(Lane::splat(substep))).change(arm).times(Lane::splat(1.0 / substep))
 }
 
+impl JointLink {
+    /// Applies what the new axes change of the warm start, once.
+    #[inline(always)]
+    pub(super) fn take_turns(&mut self, u: &mut Velocities) {
+        if self.turns != 0 {
+            u.push(self.turn_push, (self.turn_a, self.turn_b));
+            self.turns = 0;
+        }
+    }
+
+    /// Notes an impulse that was given along `mean`: the next substep's warm start is along the axes of now.
+    #[inline(always)]
+    pub(super) fn note_turn(&mut self, row: &LockRow, mean: &Push, x: Lane) {
+        self.turn_push = self.turn_push + (row.ways.direction - mean.direction).times(x);
+        self.turn_a = self.turn_a + (row.ways.a - mean.a).times(x);
+        self.turn_b = self.turn_b + (row.ways.b - mean.b).times(x);
+    }
+}
+
+impl LockRow {
+    /// The rate that is wanted, opposite, with what the row gives already.
+    #[inline(always)]
+    pub(super) fn wanted(&mut self, biased: bool) -> Lane {
+        let gives = self.give.greater(Lane::ZERO);
+        if biased {
+            // A spring is a force; the errors of rigid locks are nudged away.
+            self.aim = gives.keep(self.error * self.rate);
+        }
+        // A spring keeps its aim in relax sweeps; a rigid row leaves the velocity without correction.
+        gives.keep(self.aim) + self.give * self.impulse
+    }
+
+    /// The same of a nudge. `curvature` is how much faster the points part because the bodies turn.
+    #[inline(always)]
+    pub(super) fn wanted_nudge(&self, curvature: LaneVec) -> Lane {
+        let most = Lane::splat(NUDGE_MAX);
+        // Immovable bodies have no nudges: their motion is in the velocities.
+        let back = (self.error * self.rate).least(most).greatest(-most);
+        back + self.ways.direction.dot(curvature) - self.ways.drift
+    }
+
+    /// Adds to the impulse; returns by how much it changes.
+    #[inline(always)]
+    pub(super) fn add(&mut self, x: Lane) -> Lane {
+        let after = (self.impulse + x).finite().flushed();
+        let change = after - self.impulse;
+        self.impulse = after;
+        change
+    }
+
+    /// Nudges the bodies of a rigid lock.
+    #[inline(always)]
+    pub(super) fn apply_nudge(&self, nudges: &mut Velocities, x: Lane) {
+        let x = self.give.greater(Lane::ZERO).select(Lane::ZERO, x.finite());
+        self.ways.apply(nudges, x);
+    }
+}
+
 impl BoundRow {
+    /// Visits rows one by one.
+    #[inline(always)]
+    pub(super) fn visit(bounds: &mut [BoundRow], u: &mut Velocities, biased: bool) {
+        for row in bounds {
+            row.aim(biased);
+            row.solve(u);
+        }
+    }
+
     /// Brings the wanted rates to the coordinate.
     #[inline(always)]
     fn aim(&mut self, biased: bool) {

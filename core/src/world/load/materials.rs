@@ -6,8 +6,8 @@ use crate::shape::{FRESH, ShapeRow};
 use crate::state::Pair;
 
 impl Parts<'_> {
-    /// Materials are used as often as they say, in sum, and every shape's is there. Rules are sorted, for pairs that
-    /// live.
+    /// Materials are used as often as they say, in sum, and every shape's is there. Rules are sorted, and for what
+    /// lives.
     pub(super) fn check_materials(&self) -> Checked {
         let high = self.header.materials;
         let mut uses = 0_u64;

@@ -1,0 +1,243 @@
+//! Which joints are solved at once.
+//!
+//! Joints that hang together make an *articulation*: its bodies are held by all of its joints at the same time, so
+//! that a chain does not stretch and a linkage does not lag behind itself, however light its parts are. Joints
+//! gather in the order of their slots until an articulation is full; one that joins two full ones, or hangs alone,
+//! or belongs to a net in which too much would fill, stays *loose*: it is a link of the ordering like a contact.
+//!
+//! Equal articulations are solved side by side in lanes. All of them make one phase of their own, after those of
+//! the ordering.
+//!
+//! All of this follows from the joints and their bodies alone, and is kept as long as they stay.
+
+use crate::cells::{IMMOVABLE, Link};
+use crate::constraint::joint::{
+    Articulation, BlockSpec, Elimination, JOINTS_MAX, Matrix, Member, NONE, NodeSpec, Pattern,
+};
+use crate::joint::Signature;
+use crate::lanes::LANES;
+use crate::pipeline::layout::{EMPTY, Group};
+use crate::pipeline::solver::{JointRows, take};
+use bytemuck::{Pod, Zeroable};
+
+/// Up to eight equal articulations.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct ArticulationRow {
+    /// Place of the first joint of each lane's articulation, or `EMPTY`: its joints follow one another.
+    pub first: [u32; LANES],
+    /// Joints of each.
+    pub joints: u32,
+    pub nodes: u32,
+    pub blocks: u32,
+    /// First of the nodes and blocks of the pattern, which equal articulations share.
+    pub first_node: u32,
+    pub first_block: u32,
+    /// Zero.
+    pub reserved: [u32; 3],
+}
+
+/// What the joints come to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Arrangement {
+    /// Joints that are links of the ordering.
+    pub loose: usize,
+    /// Rows of articulations.
+    pub rows: usize,
+}
+
+/// The articulations of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Patterns<'a> {
+    pub rows: &'a [ArticulationRow],
+    pub nodes: &'a [NodeSpec],
+    pub blocks: &'a [BlockSpec],
+}
+
+impl<'a> Patterns<'a> {
+    /// Those of a group.
+    pub fn of(self, group: &Group) -> Self {
+        let first = group.first_articulation as usize;
+        Self { rows: &self.rows[first..first + group.articulations as usize], ..self }
+    }
+
+    /// Calls `visit` for each row of articulations, with what is theirs of the rows of joints.
+    pub fn each(self, mut joints: JointRows<'_>, mut visit: impl FnMut(&mut Articulation<'_>)) {
+        for row in self.rows {
+            let links = take(&mut joints.links, row.joints as usize);
+            let sum = |count: fn(Signature) -> usize| links.iter().map(|l| count(l.signature())).sum();
+            let (locks, bounds) = (sum(Signature::lock_rows), sum(Signature::bound_rows));
+            let (nodes, blocks) = (row.nodes as usize, row.blocks as usize);
+            let pattern = Pattern {
+                nodes: &self.nodes[row.first_node as usize..][..nodes],
+                blocks: &self.blocks[row.first_block as usize..][..blocks],
+            };
+            let matrix = Matrix {
+                pattern,
+                nodes: take(&mut joints.nodes, nodes),
+                blocks: take(&mut joints.blocks, blocks),
+            };
+            let (locks, bounds) = (take(&mut joints.locks, locks), take(&mut joints.bounds, bounds));
+            visit(&mut Articulation { links, locks, bounds, matrix });
+        }
+    }
+}
+
+/// Where the arrangement is written, and what is needed on the way.
+pub(crate) struct Tables<'a> {
+    /// Place of each joint: loose ones first, in their order, then articulation by articulation.
+    pub places: &'a mut [u32],
+    pub rows: &'a mut [ArticulationRow],
+    pub nodes: &'a mut [NodeSpec],
+    pub blocks: &'a mut [BlockSpec],
+    /// Set of each body, by slot, and the joints of each set.
+    pub sets: &'a mut [u32],
+    pub sizes: &'a mut [u32],
+    /// Joints by set.
+    pub keys: &'a mut [u64],
+    /// Joints as members of their articulations, in the order of the keys.
+    pub members: &'a mut [Member],
+    /// First key and number of joints of each articulation.
+    pub found: &'a mut [[u32; 2]],
+}
+
+/// Arranges joints whose links, from A to B between slots of bodies, are given in the order of the joints' slots.
+pub(crate) fn arrange(links: &[Link], tables: &mut Tables<'_>) -> Arrangement {
+    let joined = gather(links, tables);
+    let count = find(links, joined, tables);
+    let Tables { places, found, members, keys, .. } = tables;
+    let of = |&[first, joints]: &[u32; 2]| &members[first as usize..(first + joints) as usize];
+    found[..count].sort_unstable_by(|a, b| b[1].cmp(&a[1]).then(of(a).cmp(of(b))).then(a[0].cmp(&b[0])));
+    places[..links.len()].fill(0);
+    for &[first, joints] in &found[..count] {
+        keys[first as usize..(first + joints) as usize].iter().for_each(|&key| places[rank_of(key)] = EMPTY);
+    }
+    let mut next = 0;
+    for place in places[..links.len()].iter_mut().filter(|place| **place != EMPTY) {
+        *place = next;
+        next += 1;
+    }
+    let loose = next as usize;
+    let rows = write_rows(count, next, tables);
+    Arrangement { loose, rows }
+}
+
+/// Gathers joints into sets of bodies; writes a key for each joint of a set, sorted by set and then rank. Returns
+/// how many they are.
+fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {
+    let Tables { sets, sizes, keys, .. } = tables;
+    for body in links.iter().flat_map(|link| [link.a, link.b]).filter(|&body| body != IMMOVABLE) {
+        (sets[body as usize], sizes[body as usize]) = (body, 0);
+    }
+    let mut count = 0;
+    for (rank, link) in links.iter().enumerate() {
+        let [a, b] = if link.a == IMMOVABLE { [link.b; 2] } else { [link.a, link.b] };
+        let a = root(sets, a);
+        let b = if b == IMMOVABLE { a } else { root(sets, b) };
+        let others = if a == b { 0 } else { sizes[b as usize] };
+        let size = sizes[a as usize] + others + 1;
+        if size as usize <= JOINTS_MAX {
+            let (low, high) = (a.min(b), a.max(b));
+            sets[high as usize] = low;
+            sizes[low as usize] = size;
+            keys[count] = rank as u64;
+            count += 1;
+        }
+    }
+    for key in &mut keys[..count] {
+        let link = &links[*key as usize];
+        let body = if link.a == IMMOVABLE { link.b } else { link.a };
+        *key |= u64::from(root(sets, body)) << 32;
+    }
+    keys[..count].sort_unstable();
+    count
+}
+
+/// The set of a body; shortens the way for the next time.
+fn root(sets: &mut [u32], mut body: u32) -> u32 {
+    while sets[body as usize] != body {
+        sets[body as usize] = sets[sets[body as usize] as usize];
+        body = sets[body as usize];
+    }
+    body
+}
+
+/// Rank of the joint of a key.
+fn rank_of(key: u64) -> usize {
+    key as u32 as usize
+}
+
+/// Lists the sets that are worth a solve of their own, and their members. Returns how many.
+fn find(links: &[Link], joined: usize, tables: &mut Tables<'_>) -> usize {
+    let Tables { keys, members, found, .. } = tables;
+    let mut count = 0;
+    let mut first = 0;
+    for set in keys[..joined].chunk_by(|a, b| a >> 32 == b >> 32) {
+        let members = &mut members[first..first + set.len()];
+        if set.len() > 1 {
+            number(links, set, members);
+            if Elimination::of(members).is_some() {
+                found[count] = [first as u32, set.len() as u32];
+                count += 1;
+            }
+        }
+        first += set.len();
+    }
+    count
+}
+
+/// Numbers the bodies of a set in the order in which its joints name them.
+fn number(links: &[Link], set: &[u64], members: &mut [Member]) {
+    let mut bodies = [IMMOVABLE; JOINTS_MAX + 1];
+    let mut count = 0;
+    let mut number = |body: u32| {
+        if body == IMMOVABLE {
+            return NONE;
+        }
+        let known = bodies[..count].iter().position(|&other| other == body);
+        let number = known.unwrap_or(count);
+        if known.is_none() {
+            bodies[count] = body;
+            count += 1;
+        }
+        number as u32
+    };
+    for (member, &key) in members.iter_mut().zip(set) {
+        let link = &links[rank_of(key)];
+        *member = Member { signature: link.kind, bodies: [number(link.a), number(link.b)] };
+    }
+}
+
+/// Deals equal articulations, which follow one another, to rows, and places their joints from `next` on. Returns
+/// the number of rows.
+fn write_rows(count: usize, mut next: u32, tables: &mut Tables<'_>) -> usize {
+    let Tables { places, rows, nodes, blocks, keys, members, found, .. } = tables;
+    let (mut row, mut lanes) = (0, LANES);
+    let (mut first_node, mut first_block) = (0, 0);
+    for i in 0..count {
+        let [first, joints] = found[i];
+        let own = |[first, joints]: [u32; 2]| first as usize..(first + joints) as usize;
+        let alike = i > 0 && members[own(found[i - 1])] == members[own(found[i])];
+        if !alike || lanes == LANES {
+            lanes = 0;
+            row += 1;
+            rows[row - 1] = if alike { rows[row - 2] } else { ArticulationRow::zeroed() };
+            rows[row - 1].first = [EMPTY; LANES];
+        }
+        let new = &mut rows[row - 1];
+        if !alike && let Some(elimination) = Elimination::of(&members[own(found[i])]) {
+            let (n, b) = elimination.size();
+            elimination.write(&members[own(found[i])], &mut nodes[first_node..], &mut blocks[first_block..]);
+            (new.joints, new.nodes, new.blocks) = (joints, n as u32, b as u32);
+            (new.first_node, new.first_block) = (first_node as u32, first_block as u32);
+            (first_node, first_block) = (first_node + n, first_block + b);
+        }
+        new.first[lanes] = next;
+        lanes += 1;
+        for &key in &keys[first as usize..(first + joints) as usize] {
+            places[rank_of(key)] = next;
+            next += 1;
+        }
+    }
+    row
+}
