@@ -41,7 +41,7 @@ fn the_bridge_hangs_on_its_ropes() {
     }
     for rope in PLANKS - 1..PLANKS + 3 {
         // A rope of 1.5 m holds; while the bridge sways it may be a little slack.
-        assert!((1.45..1.502).contains(&gap(&built, rope)), "rope {rope}: {} m", gap(&built, rope));
+        assert!((1.45..1.505).contains(&gap(&built, rope)), "rope {rope}: {} m", gap(&built, rope));
     }
     let height = |plank: usize| position(&built, plank)[2];
     println!("bridge: {:?}", (1..=PLANKS).map(height).collect::<Vec<_>>());
