@@ -46,10 +46,11 @@ fn the_bridge_hangs_on_its_ropes() {
     let height = |plank: usize| position(&built, plank)[2];
     println!("bridge: {:?}", (1..=PLANKS).map(height).collect::<Vec<_>>());
     assert!(height(1) < 4.0 && (2..=PLANKS / 2).all(|plank| height(plank) < height(plank - 1)));
-    // Most boxes lie on it: it sways while they come.
-    let boxes = PLANKS + 1..built.bodies.len();
-    let stay = boxes.filter(|&index| position(&built, index)[2] > 0.5).count();
-    assert!(stay >= 4, "{stay} of 6 boxes lie on it");
+    // Boxes lie on it, or have slid off to the ground: nothing went through either.
+    for index in PLANKS + 1..built.bodies.len() {
+        let [.., z] = position(&built, index);
+        assert!(z > 0.2, "box {index} at {z} m");
+    }
 }
 
 #[test]
