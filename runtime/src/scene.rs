@@ -38,6 +38,7 @@ mod check;
 mod clean;
 mod error;
 pub mod format;
+mod joints;
 mod obj;
 mod place;
 mod polygon;
@@ -65,6 +66,8 @@ pub struct Limits {
     pub shapes: u64,
     /// Room for pairs, and for contacts.
     pub contacts: u64,
+    /// Joints, and room for joints. Documents are never read beyond [`format::JOINTS_MAX`].
+    pub joints: u64,
     /// Bytes of the world that is made.
     pub memory_bytes: u64,
 }
@@ -77,6 +80,7 @@ impl Default for Limits {
             bodies: format::BODIES_MAX as u64,
             shapes: 1 << 20,
             contacts: 1 << 24,
+            joints: format::JOINTS_MAX as u64,
             memory_bytes: 16 << 30,
         }
     }

@@ -37,7 +37,7 @@ fn json_is_one_object_with_the_documented_keys() {
     assert_eq!(json.lines().count(), 1);
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
     let keys = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
-    let expected = "barriers_per_step blocks bodies checksum contacts dropped ms_per_step pairs \
+    let expected = "asleep barriers_per_step blocks bodies checksum contacts dropped joints ms_per_step pairs \
                     penetration_max phases quarantined scene stage_ms state_bytes steps substeps workers";
     assert_eq!(keys(&report).join(" "), expected);
     let stages = "assembly broadphase finish islands narrowphase ordering serial solve";
@@ -151,7 +151,14 @@ fn models_are_imported_and_run() {
     assert_eq!(checksum(model), checksum(scene));
     let hinge = xml.replace("<freejoint/>", "<joint/>");
     std::fs::write(model, hinge).unwrap();
-    assert!(refusal(&["run", model]).ends_with("free or fixed: scenes have no joints\n"));
+    let output = cellstep(&["run", model, "--steps", "1500", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&report["joints"], &report["asleep"]), (&1.into(), &1.into()));
+    // What a scene may not say is refused.
+    let heavy = xml.replace("size='.1'", "size='.1' mass='1e15'");
+    std::fs::write(model, heavy).unwrap();
+    let message = refusal(&["import", model]);
+    assert!(message.contains("its scene is refused: ") && message.contains("bodies[1].mass"), "{message}");
     std::fs::write(model, "<mujoco>\n<include file='absent.xml'/></mujoco>").unwrap();
     let message = refusal(&["import", model]);
     assert!(

@@ -2,6 +2,9 @@
 #![cfg(feature = "scene")]
 
 use cellstep::Serial;
+#[path = "scene/joints.rs"]
+mod joints;
+
 use cellstep::scene::builtin::BUILTIN;
 use cellstep::scene::format::*;
 use cellstep::scene::{Build, Limits, Scene, SceneError, load};
@@ -37,6 +40,7 @@ fn full_body(turn: RotationDoc) -> BodyDoc {
         user: u64::MAX,
     };
     BodyDoc {
+        name: Some("plate".to_string()),
         kind: KindDoc::Kinematic,
         position: [1.0e7 + 0.1, -2.0f64.powi(-1074), 0.1 + 0.2],
         rotation: turn,
@@ -123,6 +127,7 @@ fn full() -> Scene {
             shapes: Some(99),
             pairs: Some(0),
             contacts: Some(1),
+            joints: Some(20),
             materials: Some(3),
             pair_rules: Some(2),
             sensor_visits: Some(2),
@@ -156,6 +161,7 @@ fn full() -> Scene {
                 ..BodyDoc::default()
             },
         ],
+        joints: joints::full_joints(turn),
     }
 }
 
@@ -181,7 +187,7 @@ fn the_documentation_is_true() {
     let text = include_str!("../../SCENES.md");
     let example = text.split("```json\n").nth(1).unwrap().split("```").next().unwrap();
     let scene = read(example).unwrap();
-    assert_eq!(scene.bodies.len(), 5);
+    assert_eq!((scene.bodies.len(), scene.joints.len()), (6, 1));
     scene.build(Path::new("")).unwrap();
     // Every field that exists is described.
     let json = full().to_json();
@@ -208,7 +214,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "bodies[0].shapes[0].geometry.sphere",
         "sequence, expected a geometry, as",
     ),
-    ("{\n\"joints\": []}", "line 2, column 11", "joints", "expected one of `version`"),
+    ("{\n\"joint\": []}", "line 2, column 10", "joint", "expected one of `version`"),
     ("{\"version\": 2}", "line 1, column 13", "version: found 2", "expected 1"),
     ("{\"gravity\": [0, 0]}", "line 1, column 13", "gravity", "array of length 3"),
     ("{\"gravity\": [0, \"a\", 0]}", "line 1, column 17", "gravity[1]", "expected f32"),
@@ -432,7 +438,8 @@ fn too_much_is_refused_before_memory_is_taken() {
 
 #[test]
 fn limits_are_kept() {
-    let strict = Limits { file_bytes: 10_000, bodies: 2, shapes: 2, contacts: 100, memory_bytes: 1 << 20 };
+    let strict =
+        Limits { file_bytes: 10_000, bodies: 2, shapes: 2, contacts: 100, joints: 2, memory_bytes: 1 << 20 };
     let strictly = |text: &str| {
         Scene::from_json(text.as_bytes(), &strict).map(|scene| scene.build_within(Path::new(""), &strict))
     };

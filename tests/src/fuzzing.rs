@@ -18,8 +18,14 @@ pub const CONTENT_HASH: core::ops::Range<usize> = 32..40;
 pub const SNAPSHOT_HEADER: usize = 48;
 
 /// How much a fuzzed scene may ask for: little, since the fuzzer looks at many.
-pub const SCENE_LIMITS: Limits =
-    Limits { file_bytes: 1 << 16, bodies: 64, shapes: 128, contacts: 1 << 12, memory_bytes: 32 << 20 };
+pub const SCENE_LIMITS: Limits = Limits {
+    file_bytes: 1 << 16,
+    bodies: 64,
+    shapes: 128,
+    contacts: 1 << 12,
+    joints: 64,
+    memory_bytes: 32 << 20,
+};
 
 /// Room of the fuzzed world: that of the simulated ones, whose snapshots are the seeds.
 pub const LOAD_CAPACITIES: Capacities = CAPACITIES;

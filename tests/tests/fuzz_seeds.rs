@@ -17,7 +17,7 @@ fn corpus(target: &str) -> PathBuf {
 
 /// Small built-in scenes, and one document that uses what they do not.
 fn scenes() -> BTreeMap<String, Vec<u8>> {
-    let small = |name| if matches!(name, "level" | "bowls") { 1 } else { 3 };
+    let small = |name| if matches!(name, "level" | "bowls" | "ragdolls" | "cars") { 1 } else { 3 };
     let mut seeds: BTreeMap<_, _> = BUILTIN
         .iter()
         .map(|builtin| {
@@ -34,7 +34,7 @@ fn scenes() -> BTreeMap<String, Vec<u8>> {
 /// A document with a bit of everything.
 const ALL: &str = include_str!("fuzz_seeds/all.json");
 
-/// Models: with a bit of everything that scenes have, with copies, and with joints, which scenes do not have.
+/// Models: with a bit of everything, with copies, and with joints, equalities, ropes and actuators.
 const MODELS: [(&str, &str); 3] = [
     ("seed_scene.xml", include_str!("../../runtime/src/mjcf/tests/seed.xml")),
     ("seed_copies.xml", include_str!("fuzz_seeds/copies.xml")),
@@ -91,7 +91,7 @@ fn model_seeds_are_read() {
     let models = MODELS.map(|(_, text)| {
         Model::from_xml(text.as_bytes(), &fuzzing::SCENE_LIMITS).unwrap_or_else(|error| panic!("{error}"))
     });
-    for model in &models[..2] {
+    for model in &models {
         let scene = model.to_scene().unwrap_or_else(|error| panic!("{error}")).scene;
         assert!(fuzzing::scene(scene.to_json().as_bytes()), "it steps");
     }

@@ -15,7 +15,7 @@ use super::row::{Bias, LinkRow, PointRow, ResistRow, SUMS, TURNS};
 use super::velocities::Velocities;
 use crate::lanes::{Lane, LaneVec, transpose};
 use crate::pipeline::seat::Seat;
-use bounce::{bounce, record_bounces};
+use bounce::{bounce, forget_blows, record_bounces};
 use shift::Shift;
 
 /// What a sweep does at each row.
@@ -126,7 +126,12 @@ fn visit_points<const N: usize>(
     let shift = Shift::of(row);
     let mut u = Velocities::gather((&row.seats_a, &row.seats_b), seats, traits.locked);
     match sweep.pass {
-        Pass::Warm => warm(&mut u, row, points),
+        Pass::Warm => {
+            if traits.bounces {
+                forget_blows(&Line::new(&mut u, row, (LaneVec::ZERO, false)), row, points, (sweep, &shift));
+            }
+            warm(&mut u, row, points);
+        }
         Pass::Bounce => bounce(&mut u, row, (points, traits), (sweep, &shift)),
         _ => {
             if row.turns != 0 && sweep.pass == Pass::Biased {

@@ -3,7 +3,7 @@
 //! Joints that hang together make an *articulation*: its bodies are held by all of its joints at the same time, so
 //! that a chain does not stretch and a linkage does not lag behind itself, however light its parts are. Joints
 //! gather in the order of their slots until an articulation is full; one that joins two full ones, or hangs alone,
-//! or belongs to a net in which too much would fill, stays *loose*: it is a link of the ordering like a contact.
+//! holds nothing rigidly (a rope), or belongs to a net in which too much would fill, stays *loose*: it is a link of the ordering like a contact.
 //!
 //! Equal articulations are solved side by side in lanes. All of them make one phase of their own, after those of
 //! the ordering.
@@ -130,15 +130,19 @@ pub(crate) fn arrange(links: &[Link], tables: &mut Tables<'_>) -> Arrangement {
 /// Gathers joints into sets of bodies; writes a key for each joint of a set, sorted by set and then rank. Returns
 /// how many they are.
 fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {
-    unite(links, tables, |_, _| true);
+    // What holds nothing without bounds (a rope) has no row in a matrix.
+    for (place, link) in tables.places.iter_mut().zip(links) {
+        *place = u32::from(Signature(link.kind).lock_rows() == 0);
+    }
+    unite(links, tables, |stays, _| stays == 0);
     // What each joint's whole component is like, before the sets are made anew.
     for (rank, link) in links.iter().enumerate() {
         let set = root(tables.sets, ends_of(link)[0]) as usize;
         let (joints, loops) = (tables.sizes[set], tables.loops[set]);
         let is_net = joints as usize > JOINTS_MAX && loops * NET_LOOPS > joints;
-        tables.places[rank] = u32::from(is_net);
+        tables.places[rank] |= u32::from(is_net);
     }
-    let count = unite(links, tables, |is_net, size| is_net == 0 && size <= JOINTS_MAX);
+    let count = unite(links, tables, |stays, size| stays == 0 && size <= JOINTS_MAX);
     let Tables { sets, keys, .. } = tables;
     for key in &mut keys[..count] {
         *key |= u64::from(root(sets, ends_of(&links[*key as usize])[0])) << 32;
@@ -147,8 +151,8 @@ fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {
     count
 }
 
-/// Unites the bodies of joints, unless their set would not fit; `fits` gets the place of a joint as it is in the
-/// tables, and the joints that the set would have. Writes the ranks of the joints of sets as keys; returns how many.
+/// Unites the bodies of joints, unless they stay apart: `fits` gets the place of a joint as it is in the tables, and the
+/// joints that the set would have. Writes the ranks of the joints of sets as keys; returns how many.
 fn unite(links: &[Link], tables: &mut Tables<'_>, fits: impl Fn(u32, usize) -> bool) -> usize {
     let Tables { sets, sizes, loops, keys, places, .. } = tables;
     for body in links.iter().flat_map(ends_of) {

@@ -9,6 +9,9 @@ use std::path::Path;
 /// Reads a model and writes its scene; the text for standard output. Errors are for the user.
 pub fn import(args: &ImportArgs) -> Result<String, String> {
     let text = scene(&args.file)?.to_json();
+    // A model may say what a scene may not: a mass of 1e15 kg.
+    Scene::from_json(text.as_bytes(), &Limits::default())
+        .map_err(|error| format!("{}: its scene is refused: {error}", args.file.display()))?;
     let Some(output) = &args.output else { return Ok(text) };
     std::fs::write(output, &text).map_err(|error| format!("cannot write {}: {error}", output.display()))?;
     Ok(String::new())

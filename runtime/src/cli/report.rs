@@ -16,6 +16,10 @@ pub struct Report {
     pub substeps: u32,
     /// Bodies at the end.
     pub bodies: usize,
+    /// Bodies that are asleep at the end.
+    pub asleep: usize,
+    /// Joints at the end.
+    pub joints: u32,
     /// Pairs of boxes in the last step.
     pub pairs: u32,
     /// Contacts in the last step.
@@ -71,6 +75,8 @@ impl Display for Report {
         row("workers", &self.workers)?;
         row("substeps", &self.substeps)?;
         row("bodies", &self.bodies)?;
+        row("asleep", &self.asleep)?;
+        row("joints", &self.joints)?;
         row("pairs", &self.pairs)?;
         row("contacts", &self.contacts)?;
         row("phases", &self.phases)?;

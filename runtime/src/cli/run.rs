@@ -52,6 +52,8 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
         workers,
         substeps: world.settings().substeps,
         bodies: world.bodies().count(),
+        asleep: world.bodies().filter(|&body| world.is_asleep(body).unwrap_or(false)).count(),
+        joints: world.joint_count(),
         pairs: last.as_ref().map_or(0, |report| report.pairs),
         contacts: last.as_ref().map_or(0, |report| report.contacts),
         phases: last.as_ref().map_or(0, |report| report.phases),

@@ -57,7 +57,7 @@ impl Mass {
     }
 
     /// The tensor about the center, in the body's axes.
-    fn tensor(&self) -> Matrix {
+    pub(super) fn tensor(&self) -> Matrix {
         let r = self.axes.matrix();
         let mut diagonal = [[0.0; 3]; 3];
         (0..3).for_each(|i| diagonal[i][i] = self.inertia[i]);

@@ -5,14 +5,14 @@ use super::clean::{self, Notes, Soup};
 use super::error::{Problem, SceneError};
 use super::format::*;
 use super::place::Place;
-use super::{Limits, obj, rotation};
+use super::{Limits, joints, obj, rotation};
 use crate::{Memory, new_world};
 use cellstep_core::collide::height_field::HOLE;
 use cellstep_core::math::{Pose, Rotation, Vec3};
 use cellstep_core::{
     AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, CompoundChild, CompoundHandle, Error,
-    Filter, Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, Line, MassProperties, MaterialTraits,
-    MeshHandle, Position, ShapeDef, ShapeEvents, Surface, World,
+    Filter, Geometry, HeightFieldDef, HeightFieldHandle, HullHandle, JointHandle, Line, MassProperties,
+    MaterialTraits, MeshHandle, Position, ShapeDef, ShapeEvents, Surface, World,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -35,11 +35,13 @@ pub struct Build {
     pub world: World<Memory>,
     /// Its bodies, in the order of the document.
     pub bodies: Vec<BodyHandle>,
+    /// Its joints, in the order of the document.
+    pub joints: Vec<JointHandle>,
     /// For each mesh that was mended on import: its name in the document and what was done.
     pub notes: Vec<(String, Notes)>,
 }
 
-/// The room that a scene gets: as many bodies, shapes and assets as it has; [`PAIRS_PER_SHAPE`] and
+/// The room that a scene gets: as many bodies, shapes, joints and assets as it has; [`PAIRS_PER_SHAPE`] and
 /// [`CONTACTS_PER_SHAPE`], and with sensors [`VISITS_PER_SHAPE`], for each shape and [`ROOM_BASE`] more; no events;
 /// where the document names a capacity, that.
 ///
@@ -60,7 +62,7 @@ pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacitie
         hulls: count(scene.hulls.len()),
         meshes: count(scene.meshes.len()),
         mesh_vertices: count(vertices),
-        joints: 0,
+        joints: given.joints.unwrap_or(count(joints::room(scene))),
         mesh_triangles: count(triangles),
         height_fields: count(scene.height_fields.len()),
         height_samples: count(scene.height_fields.values().map(|field| field.heights.len()).sum()),
@@ -108,7 +110,8 @@ impl Scene {
         world.set_settings(&settings).map_err(|e| refused(Place::Root.key("settings"), e))?;
         let assets = register(self, &meshes, &mut world)?;
         let bodies = bodies(self, &assets, &mut world)?;
-        Ok(Build { world, bodies, notes })
+        let joints = self::joints(self, &bodies, &mut world)?;
+        Ok(Build { world, bodies, joints, notes })
     }
 }
 
@@ -285,6 +288,25 @@ fn bodies(
             world.create_shape(handle, &shape_def(shape, scene, assets)).map_err(refused)?;
         }
         handles.push(handle);
+    }
+    Ok(handles)
+}
+
+fn joints(
+    scene: &Scene,
+    bodies: &[BodyHandle],
+    world: &mut World<Memory>,
+) -> Result<Vec<JointHandle>, SceneError> {
+    let mut handles = Vec::with_capacity(scene.joints.len());
+    let list = Place::Root;
+    let list = list.key("joints");
+    let names = joints::names(scene);
+    for (index, doc) in scene.joints.iter().enumerate() {
+        // Checked: there is such a body.
+        let body = |end: usize| joints::index_of(&doc.bodies[end], &names, bodies.len()).unwrap_or(0);
+        let def = joints::definition(doc, [bodies[body(0)], bodies[body(1)]]);
+        let refused = |e: Error| SceneError::new(list.index(index), Problem::World(e));
+        handles.push(world.create_joint(&def).map_err(refused)?);
     }
     Ok(handles)
 }

@@ -4,11 +4,13 @@
 //! gives the same document, bit for bit: what looks random comes from a small generator with a fixed seed, in
 //! steps of 1/1024 m. All scenes are in SI units with z up; the material is the default one (friction 0.6).
 
+mod jointed;
 mod level;
 mod parts;
 mod piles;
 mod stacks;
 
+pub use jointed::{bridge, cars, ragdolls};
 pub use level::level;
 pub use piles::{bowls, free_fall, hub, mixed_pile};
 pub use stacks::{pyramid, stacked_pyramid, tower, wall};
@@ -122,6 +124,30 @@ pub const BUILTIN: &[Builtin] = &[
         size_max: 20_000,
         make: level,
     },
+    Builtin {
+        name: "bridge",
+        description: "planks with hinges between them hang on ropes and boxes fall on them; size: planks",
+        default_size: 40,
+        golden_size: 40,
+        size_max: 100_000,
+        make: bridge,
+    },
+    Builtin {
+        name: "ragdolls",
+        description: "ragdolls of 11 bodies stumble, fall and go to sleep; size: ragdolls",
+        default_size: 100,
+        golden_size: 16,
+        size_max: 20_000,
+        make: ragdolls,
+    },
+    Builtin {
+        name: "cars",
+        description: "cars on springs with motors and steering drive over a step; size: cars",
+        default_size: 100,
+        golden_size: 20,
+        size_max: 40_000,
+        make: cars,
+    },
 ];
 
 #[cfg(test)]
@@ -179,5 +205,8 @@ mod tests {
         assert_eq!(dynamic("hub", 1000), 1001);
         assert_eq!(dynamic("level", 33), 33);
         assert_eq!(dynamic("free_fall", 9), 9);
+        assert_eq!(dynamic("bridge", 7), 7 + 4);
+        assert_eq!(dynamic("ragdolls", 3), 3 * 11);
+        assert_eq!(dynamic("cars", 3), 3 * 5);
     }
 }

@@ -2,6 +2,7 @@
 //! within the limits. Needs no file and takes no memory beside error messages.
 
 mod assets;
+mod joints;
 
 use super::error::{Problem, SceneError};
 use super::format::*;
@@ -68,12 +69,14 @@ pub(super) fn check(scene: &Scene, limits: &Limits) -> Checked {
     for (index, body) in scene.bodies.iter().enumerate() {
         self::body(bodies.index(index), body, scene)?;
     }
-    Ok(())
+    self::joints::body_names(scene)?;
+    self::joints::check(scene)
 }
 
 fn sizes(scene: &Scene, limits: &Limits) -> Checked {
     at_most("bodies", "bodies", scene.bodies.len() as u64, limits.bodies)?;
     at_most("bodies", "shapes", scene.shape_count() as u64, limits.shapes)?;
+    at_most("joints", "joints", scene.joints.len() as u64, limits.joints)?;
     let place = Place::Root;
     let place = place.key("capacities");
     let counts = &scene.capacities;
@@ -84,6 +87,7 @@ fn sizes(scene: &Scene, limits: &Limits) -> Checked {
         ("contacts", counts.contacts, 0, limits.contacts),
         ("sensor_visits", counts.sensor_visits, usize::from(scene.sensor_count() > 0), EVENTS_MAX),
         ("events", counts.events, 0, EVENTS_MAX),
+        ("joints", counts.joints, super::joints::room(scene), limits.joints),
     ];
     for (name, count, least, most) in given {
         let Some(count) = count else { continue };

@@ -9,11 +9,16 @@
 //! hull; unknown fields are refused, so a misspelled field is an error and not a default.
 
 mod assets;
+mod joints;
 mod material;
 mod settings;
 
 use super::bounded::{bounded, unique};
 pub use assets::{CHILDREN_MAX, ChildDoc, CompoundDoc, HeightFieldDoc, SURFACES_MAX};
+pub use joints::{
+    AxesDoc, AxisDoc, BodyRefDoc, DriveDoc, FrameDoc, JOINTS_MAX, JointDoc, JointKindDoc, MotionDoc,
+    SpringDoc,
+};
 pub use material::{MaterialDoc, MixDoc};
 use serde::{Deserialize, Serialize};
 pub use settings::{ContactModelDoc, SettingsDoc};
@@ -74,6 +79,13 @@ pub struct Scene {
     /// Bodies, created in this order.
     #[serde(default, deserialize_with = "bounded::<_, _, BODIES_MAX>")]
     pub bodies: Vec<BodyDoc>,
+    /// Joints of bodies, created in this order.
+    #[serde(
+        default,
+        deserialize_with = "bounded::<_, _, JOINTS_MAX>",
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    pub joints: Vec<JointDoc>,
 }
 
 /// Room to reserve, in numbers of things. `None` follows from the scene (see [`crate::scene::capacities`]).
@@ -92,6 +104,9 @@ pub struct CapacitiesDoc {
     /// Contacts: pairs of shapes that touch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contacts: Option<u32>,
+    /// Joints, with four limits, drives and frictions for each on average; enough for those of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joints: Option<u32>,
     /// Distinct materials with more than friction, restitution and density; at least as many as the scene uses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub materials: Option<u32>,
@@ -228,6 +243,9 @@ impl Default for RotationDoc {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a body object")]
 pub struct BodyDoc {
+    /// By which joints may refer to it; not empty, and no other body's. `None` for those without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// How it moves.
     #[serde(default, skip_serializing_if = "is_default")]
     pub kind: KindDoc,
@@ -275,6 +293,7 @@ pub struct BodyDoc {
 impl Default for BodyDoc {
     fn default() -> Self {
         Self {
+            name: None,
             kind: KindDoc::Dynamic,
             position: [0.0; 3],
             rotation: RotationDoc::default(),
@@ -445,6 +464,7 @@ impl Default for Scene {
             height_fields: BTreeMap::new(),
             compounds: BTreeMap::new(),
             bodies: Vec::new(),
+            joints: Vec::new(),
         }
     }
 }

@@ -164,8 +164,8 @@ impl Matrix<'_> {
                 let rows = self.pattern.nodes[other.row as usize].size as usize;
                 let to = &mut self.nodes[other.row as usize].side;
                 for (r, to) in to.iter_mut().enumerate().take(rows) {
-                    for c in 0..size {
-                        *to = *to - block.values[r * SIZE + c] * side[c];
+                    for (c, x) in side.iter().enumerate().take(size) {
+                        *to = *to - block.values[r * SIZE + c] * *x;
                     }
                 }
             }
@@ -181,8 +181,8 @@ impl Matrix<'_> {
                 let rows = self.pattern.nodes[other.row as usize].size as usize;
                 let from = &self.nodes[other.row as usize].side;
                 for (r, from) in from.iter().enumerate().take(rows) {
-                    for c in 0..size {
-                        side[c] = side[c] - block.values[r * SIZE + c] * *from;
+                    for (c, x) in side.iter_mut().enumerate().take(size) {
+                        *x = *x - block.values[r * SIZE + c] * *from;
                     }
                 }
             }

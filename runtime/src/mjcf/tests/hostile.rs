@@ -5,8 +5,14 @@ use crate::mjcf::Model;
 use crate::scene::{Limits, Problem};
 
 /// What the limits of a small server are.
-const SMALL: Limits =
-    Limits { file_bytes: 1 << 20, bodies: 100, shapes: 200, contacts: 1000, memory_bytes: 1 << 24 };
+const SMALL: Limits = Limits {
+    file_bytes: 1 << 20,
+    bodies: 100,
+    shapes: 200,
+    contacts: 1000,
+    joints: 200,
+    memory_bytes: 1 << 24,
+};
 
 #[test]
 fn nesting() {

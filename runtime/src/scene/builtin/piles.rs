@@ -13,7 +13,7 @@ const JITTER: f64 = 0.08;
 const BALLS: u32 = 30;
 
 /// The least number whose `power`-th power is at least `n`.
-fn root(n: u32, power: u32) -> u32 {
+pub(super) fn root(n: u32, power: u32) -> u32 {
     (1..).find(|&edge: &u32| edge.pow(power) >= n).unwrap_or(1)
 }
 
