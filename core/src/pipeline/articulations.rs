@@ -3,7 +3,8 @@
 //! Joints that hang together make an *articulation*: its bodies are held by all of its joints at the same time, so
 //! that a chain does not stretch and a linkage does not lag behind itself, however light its parts are. Joints
 //! gather in the order of their slots until an articulation is full; one that joins two full ones, or hangs alone,
-//! holds nothing rigidly (a rope), or belongs to a net in which too much would fill, stays *loose*: it is a link of the ordering like a contact.
+//! holds nothing rigidly (a rope), or belongs to a net in which too much would fill, stays *loose*: it is a link of
+//! the ordering like a contact.
 //!
 //! Equal articulations are solved side by side in lanes. All of them make one phase of their own, after those of
 //! the ordering.
