@@ -21,8 +21,8 @@ use crate::pipeline::layout::{EMPTY, Group};
 use crate::pipeline::solver::{JointRows, take};
 use bytemuck::{Pod, Zeroable};
 
-/// More bodies than fit an articulation are a net when this many times the loops are more than the joints: pieces of
-/// a net take five times as long at once as one by one.
+/// More bodies than fit an articulation are a net when this many times the loops are more than the joints: pieces
+/// of a net take five times as long at once as one by one.
 const NET_LOOPS: u32 = 4;
 
 /// Up to eight equal articulations.
@@ -152,8 +152,8 @@ fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {
     count
 }
 
-/// Unites the bodies of joints, unless they stay apart: `fits` gets the place of a joint as it is in the tables, and the
-/// joints that the set would have. Writes the ranks of the joints of sets as keys; returns how many.
+/// Unites the bodies of joints, unless they stay apart: `fits` gets the place of a joint as it is in the tables, and
+/// the joints that the set would have. Writes the ranks of the joints of sets as keys; returns how many.
 fn unite(links: &[Link], tables: &mut Tables<'_>, fits: impl Fn(u32, usize) -> bool) -> usize {
     let Tables { sets, sizes, loops, keys, places, .. } = tables;
     for body in links.iter().flat_map(ends_of) {

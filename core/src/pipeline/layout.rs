@@ -240,7 +240,7 @@ fn lay_out_phase(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<
     plan.phase_count += 1;
 }
 
-/// Lays out the articulations in a phase of their own, after the others: their joints follow one another row by row.
+/// Lays out the articulations in a phase of their own, after the others: joints follow one another row by row.
 fn lay_out_articulations(schedule: &Schedule<'_>, tables: &mut Tables<'_>, plan: &mut Plan) {
     let (first_seat, first_group) = (plan.seats, plan.groups);
     let share = schedule.articulations.len().div_ceil(LINK_GROUPS_MAX);

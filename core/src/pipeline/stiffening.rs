@@ -1,10 +1,11 @@
 //! More inertia for bodies whose joints are loaded heavily for what they weigh.
 //!
 //! A force f on a point at the arm r turns a body like a spring: the torque `r x f` changes by `-K t` when the body
-//! turns by t, with `K = (f . r) 1 - (r ft + f rt) / 2` (the geometric stiffness of constrained bodies). Substeps of
-//! length h follow the swing of that spring only while it is slower than they are: the square of its angular
-//! frequency times h, `h^2 K / I`, must stay below 4. A light chain under a heavy weight swings faster, and explodes
-//! where its joints hold exactly. Here it gets what inertia it lacks to stay below 1: it turns slower than it would.
+//! turns by t, with `K = (f . r) 1 - (r ft + f rt) / 2` (the geometric stiffness of constrained bodies). Substeps
+//! of length h follow the swing of that spring only while it is slower than they are: the square of its angular
+//! frequency times h, `h^2 K / I`, must stay below 4. A light chain under a heavy weight swings faster, and
+//! explodes where its joints hold exactly. Here it gets what inertia it lacks to stay below 1: it turns slower
+//! than it would.
 //! (Andrews, Teichmann and Kry, Geometric stiffness for real-time constrained multibody dynamics, 2017.)
 //!
 //! Only bodies with joints are looked at, and few of them gain any: a link of 1 kg and 1 m at 4 substeps from a
@@ -54,8 +55,8 @@ pub(crate) fn stiffening(state: &State<'_>, body: u32, substep: f32) -> Vec3 {
     Vec3::new(max(gain.x, 0.0), max(gain.y, 0.0), max(gain.z, 0.0))
 }
 
-/// The angular velocity that a body's momentum means with its inertia in this step: what it gains of inertia it does
-/// not gain of momentum, so that loads that come and go give no energy.
+/// The angular velocity that a body's momentum means with its inertia in this step: what it gains of inertia it
+/// does not gain of momentum, so that loads that come and go give no energy.
 pub(crate) fn eased(active: &Active, row: &BodyRow, (principal, angular): (Rotation, Vec3)) -> Vec3 {
     if active.stiffening == Vec3::ZERO {
         return angular;

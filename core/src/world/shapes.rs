@@ -20,9 +20,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Adds a shape to a body, and its mass to the body's unless that was given.
     ///
     /// # Errors
-    /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, of `materials`, or of `sensor_visits` for a sensor
-    /// in a world without [`Capacities::sensor_visits`](crate::Capacities::sensor_visits)), [`Error::WrongKind`] for a
-    /// half-space, a mesh or a height field on a dynamic body, or a number of the definition is refused; see
+    /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, of `materials`, or of `sensor_visits` for a
+    /// sensor in a world without [`Capacities::sensor_visits`](crate::Capacities::sensor_visits)),
+    /// [`Error::WrongKind`] for a half-space, a mesh or a height field on a dynamic body, or a number of the definition is refused; see
     /// [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
