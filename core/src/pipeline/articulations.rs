@@ -152,8 +152,8 @@ fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {
     count
 }
 
-/// Unites the bodies of joints, unless they stay apart: `fits` gets the place of a joint as it is in the tables, and
-/// the joints that the set would have. Writes the ranks of the joints of sets as keys; returns how many.
+/// Unites the bodies of joints, unless they stay apart: `fits` gets the place of a joint as it is in the tables,
+/// and the joints that the set would have. Writes the ranks of the joints of sets as keys; returns how many.
 fn unite(links: &[Link], tables: &mut Tables<'_>, fits: impl Fn(u32, usize) -> bool) -> usize {
     let Tables { sets, sizes, loops, keys, places, .. } = tables;
     for body in links.iter().flat_map(ends_of) {

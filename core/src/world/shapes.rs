@@ -22,8 +22,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// # Errors
     /// [`Error::Stale`] body or asset, [`Error::Full`] (of `shapes`, of `materials`, or of `sensor_visits` for a
     /// sensor in a world without [`Capacities::sensor_visits`](crate::Capacities::sensor_visits)),
-    /// [`Error::WrongKind`] for a half-space, a mesh or a height field on a dynamic body, or a number of the definition is refused; see
-    /// [`ShapeDef`].
+    /// [`Error::WrongKind`] for a half-space, a mesh or a height field on a dynamic body, or a number of the
+    /// definition is refused; see [`ShapeDef`].
     pub fn create_shape(&mut self, body: BodyHandle, def: &ShapeDef) -> Result<ShapeHandle, Error> {
         def.check()?;
         let body_slot = self.body_slot(body)?;

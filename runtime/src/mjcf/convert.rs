@@ -30,10 +30,9 @@ const BOUNCE_SUBSTEPS: f64 = 2.0;
 const STEPS_OF_REST: f64 = 4.0;
 /// Seconds of rest after which imported bodies sleep.
 const SLEEP_TIME: f32 = 0.5;
-/// Sweeps that take back what position correction leaves in the velocities of long chains of joints: after one or
-/// two a ragdoll that lies on its arms goes on rocking, after four most come to rest, after eight all that were
-/// seen.
-const RELAX_SWEEPS: u32 = 8;
+/// Sweeps that take back what position correction leaves in the velocities of bodies that lie on their joints: a
+/// hundred humanoids are asleep after 14 s with one, after 6 s with two, and with more no sooner.
+const RELAX_SWEEPS: u32 = 2;
 /// Substeps of a scene take about as long as the engine's own default, 1/240 s.
 const SUBSTEPS_PER_SECOND: f64 = 240.0;
 /// Bits of a filter.
