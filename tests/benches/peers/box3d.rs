@@ -1,8 +1,11 @@
 //! Box3D, by the crate `boxddd`, as an entrant: on one thread, at its default settings.
 
 use crate::Engine;
-use crate::scenes::{DENSITY, DT, FRICTION, GRAVITY, Scene};
-use boxddd::{BodyId, BodyType, BoxHull, Capsule, Foundation, Result, Sphere, World};
+use crate::scenes::{DENSITY, DT, FRICTION, GRAVITY, INERTIA, Joint, MASS, Scene};
+use boxddd::{
+    BodyId, BodyType, BoxHull, Capsule, Foundation, JointId, MassData, Matrix3, Quat, Result, Sphere,
+    SphericalJointDef, Transform, World, WorldDef,
+};
 use cellstep::Geometry;
 use cellstep::math::{Pose, Rotation, Vec3};
 
@@ -12,6 +15,7 @@ const SUBSTEPS: i32 = 4;
 pub struct Box3d {
     world: World,
     bodies: Vec<BodyId>,
+    joints: Vec<JointId>,
     settings: String,
 }
 
@@ -33,8 +37,19 @@ impl Box3d {
             let def =
                 foundation.body_def_builder().body_type(kind).position(boxddd::Vec3::new(p.x, p.y, p.z));
             let handle = world.create_body(def.linear_damping(0.0).angular_damping(0.0).build()?)?;
+            let Some(geometry) = body.geometry else {
+                let axis = |x, y, z| boxddd::Vec3::new(INERTIA * x, INERTIA * y, INERTIA * z);
+                let inertia =
+                    Matrix3 { cx: axis(1.0, 0.0, 0.0), cy: axis(0.0, 1.0, 0.0), cz: axis(0.0, 0.0, 1.0) };
+                let mass = MassData { mass: MASS, center: boxddd::Vec3::ZERO, inertia };
+                if body.moves {
+                    world.set_body_mass_data(handle, mass)?;
+                }
+                bodies.push(handle);
+                continue;
+            };
             let shape = foundation.shape_def_builder().density(DENSITY).friction(FRICTION).build()?;
-            match body.geometry {
+            match geometry {
                 Geometry::Sphere { radius } => {
                     let sphere = Sphere::new(boxddd::Vec3::ZERO, radius);
                     world.create_sphere_shape(handle, &shape, &sphere)?;
@@ -51,14 +66,35 @@ impl Box3d {
             }
             bodies.push(handle);
         }
-        let def = foundation.world_def();
-        let settings = format!(
+        let joints = Self::join(&mut world, scene, &bodies)?;
+        let settings = Self::describe(&world, foundation.world_def(), joints.first())?;
+        Ok(Self { world, bodies, joints, settings })
+    }
+
+    fn join(world: &mut World, scene: &Scene, bodies: &[BodyId]) -> Result<Vec<JointId>> {
+        let frame = |v: Vec3| Transform::new(boxddd::Vec3::new(v.x, v.y, v.z), Quat::IDENTITY);
+        let join = |joint: &Joint| {
+            let ([a, b], [at_a, at_b]) = (joint.bodies.map(|body| bodies[body]), joint.anchors.map(frame));
+            let def = SphericalJointDef::new(a, b).local_frame_a(at_a).local_frame_b(at_b);
+            world.create_spherical_joint(def)
+        };
+        scene.joints.iter().map(join).collect()
+    }
+
+    fn describe(world: &World, def: WorldDef, joint: Option<&JointId>) -> Result<String> {
+        if let Some(&joint) = joint {
+            let tuning = world.joint_constraint_tuning(joint)?;
+            let (hertz, ratio) = (tuning.hertz, tuning.damping_ratio);
+            return Ok(format!(
+                "{SUBSTEPS} substeps x (1 sweep + 1 relax), joints at {hertz} Hz, damping ratio {ratio}"
+            ));
+        }
+        Ok(format!(
             "{SUBSTEPS} substeps x (1 sweep + 1 relax), {} Hz, damping ratio {}, recycling within {} m",
             def.contact_hertz,
             def.contact_damping_ratio,
             world.contact_recycle_distance()?
-        );
-        Ok(Self { world, bodies, settings })
+        ))
     }
 
     fn deepest(&self) -> Result<f32> {
@@ -95,5 +131,10 @@ impl Engine for Box3d {
 
     fn own_overlap(&self) -> f32 {
         self.deepest().expect("the bodies are there")
+    }
+
+    fn own_gap(&self) -> Option<f32> {
+        let gap = |&joint| self.world.joint_linear_separation(joint).expect("the joint is there");
+        Some(self.joints.iter().map(gap).fold(0.0, cellstep::math::max))
     }
 }

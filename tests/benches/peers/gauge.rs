@@ -1,10 +1,10 @@
-//! One ruler for all engines: how deep bodies overlap at given poses.
+//! One ruler for all engines: how deep bodies overlap, and how far joints gape, at given poses.
 //!
-//! The poses are put into a world that never steps, and exact collision tells the separations of all pairs whose
-//! bounding spheres meet. A pair counts once, with its deepest point.
+//! For overlap the poses are put into a world that never steps, and exact collision tells the separations of all
+//! pairs whose bounding spheres meet. A pair counts once, with its deepest point.
 
 use crate::own::Filled;
-use crate::scenes::Scene;
+use crate::scenes::{Joint, Scene};
 use cellstep::math::{Pose, Vec3};
 use cellstep::{Geometry, Position};
 
@@ -19,6 +19,39 @@ pub struct Overlap {
     pub height: f32,
 }
 
+/// Distances of the points that joints hold together at one moment, metres, over all joints.
+#[derive(Clone, Copy, Debug)]
+pub struct Gaps {
+    pub p50: f32,
+    pub p99: f32,
+    pub max: f32,
+    /// Mean height of the moving bodies, metres: whether engines saw the same fall.
+    pub height: f32,
+}
+
+impl Gaps {
+    /// Of a scene with joints, from the poses of all bodies in its order.
+    pub fn measure(scene: &Scene, poses: &[Pose]) -> Self {
+        let gap = |joint: &Joint| {
+            let [a, b] = joint.bodies.map(|body| poses[body]);
+            let arms = a.rotation.rotate(joint.anchors[0]) - b.rotation.rotate(joint.anchors[1]);
+            ((a.position - b.position) + arms).length()
+        };
+        let mut gaps: Vec<f32> = scene.joints.iter().map(gap).collect();
+        gaps.sort_by(f32::total_cmp);
+        let part = |percent: usize| gaps[(gaps.len() * percent / 100).min(gaps.len() - 1)];
+        let height = height(scene.bodies.iter().map(|body| body.moves), poses);
+        Gaps { p50: part(50), p99: part(99), max: part(100), height }
+    }
+}
+
+/// Mean height of the bodies that move.
+fn height(moves: impl Iterator<Item = bool>, poses: &[Pose]) -> f32 {
+    let heights: Vec<f32> =
+        moves.zip(poses).filter(|&(moves, _)| moves).map(|(_, pose)| pose.position.z).collect();
+    heights.iter().sum::<f32>() / heights.len().max(1) as f32
+}
+
 pub struct Gauge {
     filled: Filled,
     moves: Vec<bool>,
@@ -27,11 +60,11 @@ pub struct Gauge {
 
 impl Gauge {
     pub fn new(scene: &Scene) -> Self {
-        let radius = |geometry: &Geometry| match *geometry {
+        let radius = |geometry: &Option<Geometry>| match geometry.expect("scenes with contacts have shapes") {
             Geometry::Sphere { radius } => radius,
             Geometry::Capsule { half_height, radius } => half_height + radius,
             Geometry::Box { half_extents } => half_extents.length(),
-            _ => panic!("the scenes have no {geometry:?}"),
+            other => panic!("the scenes have no {other:?}"),
         };
         Gauge {
             filled: Filled::new(scene),
@@ -42,22 +75,19 @@ impl Gauge {
 
     /// Measures the overlap at the poses of all bodies, in the order of the scene.
     pub fn measure(&mut self, poses: &[Pose]) -> Overlap {
-        for (&(body, _), pose) in self.filled.bodies.iter().zip(poses) {
+        for (&body, pose) in self.filled.bodies.iter().zip(poses) {
             let moved = self.filled.world.set_pose(body, Position::at(pose.position), pose.rotation);
             moved.expect("engines give finite poses");
         }
         let mut depths: Vec<f32> =
             self.candidates(poses).into_iter().filter_map(|pair| self.depth(pair)).collect();
         depths.sort_by(f32::total_cmp);
-        let heights =
-            poses.iter().zip(&self.moves).filter(|&(_, &moves)| moves).map(|(pose, _)| pose.position.z);
-        let moving = heights.clone().count().max(1);
         Overlap {
             pairs: depths.len(),
             max: depths.last().copied().unwrap_or(0.0),
             p99: depths.get(depths.len() * 99 / 100).copied().unwrap_or(0.0),
             mean: depths.iter().sum::<f32>() / depths.len().max(1) as f32,
-            height: heights.sum::<f32>() / moving as f32,
+            height: height(self.moves.iter().copied(), poses),
         }
     }
 
@@ -83,7 +113,7 @@ impl Gauge {
     /// Depth of a pair's deepest point; `None` when it does not overlap.
     fn depth(&self, [a, b]: [usize; 2]) -> Option<f32> {
         let mut deepest = 0.0;
-        let [a, b] = [a, b].map(|index| self.filled.bodies[index].1);
+        let [a, b] = [a, b].map(|index| self.filled.shapes[index]);
         self.filled.world.manifolds(a, b, |manifold| {
             for point in &manifold.points {
                 deepest = cellstep::math::max(deepest, -point.separation);

@@ -1,13 +1,20 @@
 //! The same scenes in cellstep and, with `--features peers`, in `rapier3d` and Box3D: time beside accuracy.
 //!
-//! `cargo bench -p cellstep-tests --features peers --bench peers -- [--scene pyramid|pile|all] [--steps N]`
+//! `cargo bench -p cellstep-tests --features peers --bench peers -- [--scene pyramid|pile|net|all] [--steps N]`
 //!
-//! Equal physics: the same shapes, 1000 kg/m3, friction 0.6, no restitution, no damping, sleep off, dt 1/60, each
-//! engine's own default solver settings. All engines run in one process and take turns, [`RUN`] steps each, in an
-//! order that rotates; a run is compared with the runs of the same turn, and the medians of those ratios are told.
+//! - `pyramid`: 5,050 boxes that stand, from the first step on: time and overlap.
+//! - `pile`: 4,096 balls, boxes and capsules that fall into a box with walls: time and overlap.
+//! - `net`: 100 x 100 bodies without shapes on 19,800 ball joints, that swing down from one edge: time of 200 steps
+//!   after 100 that are not timed, and how far apart the points are that joints hold together, at the end.
+//!
+//! Equal physics: the same shapes, 1000 kg/m3, friction 0.6, no restitution, or the same masses of 1 kg and no
+//! shapes; no damping, sleep off, dt 1/60, each engine's own default solver settings, also for the stiffness of
+//! joints: the last lines tell them. All engines run in one process and take turns, [`RUN`] steps each, in an order
+//! that rotates; a run is compared with the runs of the same turn, and the medians of those ratios are told.
 //!
 //! Accuracy is measured by one ruler: the poses of every engine go into a fresh world with the same shapes, and
-//! the overlap of all pairs is measured there (`gauge.rs`). What an engine says of itself stands beside.
+//! the overlap of all pairs is measured there; gaps of joints follow from the poses alone (`gauge.rs`). What an
+//! engine says of itself stands beside.
 //!
 //! Box3D is compiled with `-O3 -DNDEBUG` (`CFLAGS` in `.cargo/config.toml`).
 
@@ -23,7 +30,7 @@ mod table;
 
 use cellstep::math::Pose;
 use clock::{Clock, Spent};
-use gauge::{Gauge, Overlap};
+use gauge::{Gaps, Gauge, Overlap};
 use scenes::Scene;
 
 /// Steps of a run: as many as an engine takes before the next one has its turn.
@@ -43,6 +50,10 @@ trait Engine {
     fn poses(&self) -> Vec<Pose>;
     /// The deepest overlap by the engine's own contacts, metres.
     fn own_overlap(&self) -> f32;
+    /// The widest joint as the engine itself measures it, metres, where it does.
+    fn own_gap(&self) -> Option<f32> {
+        None
+    }
     /// More to tell at the end, a line each.
     fn notes(&self) -> Vec<String> {
         Vec::new()
@@ -58,8 +69,10 @@ struct Entrant {
     engine: Box<dyn Engine>,
     /// Milliseconds per step, by run.
     runs: Vec<Spent>,
-    /// Overlap after runs, from [`SETTLED`] on.
+    /// Overlap after runs, from [`SETTLED`] on; none in scenes with joints.
     samples: Vec<Overlap>,
+    /// Gaps of joints at the end, in scenes with joints.
+    gaps: Option<Gaps>,
 }
 
 impl Entrant {
@@ -82,12 +95,16 @@ fn entrants(scene: &Scene) -> Vec<Entrant> {
         #[cfg(feature = "peers")]
         Box::new(box3d::Box3d::new(scene)),
     ];
-    engines.into_iter().map(|engine| Entrant { engine, runs: Vec::new(), samples: Vec::new() }).collect()
+    let entrant = |engine| Entrant { engine, runs: Vec::new(), samples: Vec::new(), gaps: None };
+    engines.into_iter().map(entrant).collect()
 }
 
 fn compete(scene: &Scene, steps: u32) -> Vec<Entrant> {
     let mut entrants = entrants(scene);
-    let mut gauge = Gauge::new(scene);
+    let mut gauge = scene.joints.is_empty().then(|| Gauge::new(scene));
+    for entrant in &mut entrants {
+        (0..scene.warm_up).for_each(|_| entrant.engine.step());
+    }
     let (mut done, mut turn) = (0, 0);
     while done < steps {
         let run = RUN.min(steps - done);
@@ -97,10 +114,15 @@ fn compete(scene: &Scene, steps: u32) -> Vec<Entrant> {
         }
         done += run;
         turn += 1;
-        if done >= SETTLED || done == steps {
+        if let Some(gauge) = gauge.as_mut().filter(|_| done >= SETTLED || done == steps) {
             for entrant in &mut entrants {
                 entrant.samples.push(gauge.measure(&entrant.engine.poses()));
             }
+        }
+    }
+    if !scene.joints.is_empty() {
+        for entrant in &mut entrants {
+            entrant.gaps = Some(Gaps::measure(scene, &entrant.engine.poses()));
         }
     }
     assert_eq!(entrants[0].engine.checksum(), entrants[1].engine.checksum(), "workers change no bit");

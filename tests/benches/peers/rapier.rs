@@ -1,7 +1,7 @@
 //! `rapier3d` as an entrant, on one thread, at its default settings.
 
 use crate::Engine;
-use crate::scenes::{DENSITY, DT, FRICTION, GRAVITY, Scene};
+use crate::scenes::{DENSITY, DT, FRICTION, GRAVITY, INERTIA, MASS, Scene};
 use cellstep::Geometry;
 use cellstep::math::{Pose, Rotation, Vec3};
 use rapier3d::prelude::*;
@@ -18,19 +18,29 @@ impl Rapier {
         world.integration_parameters.dt = DT;
         let mut bodies = Vec::with_capacity(scene.bodies.len());
         for body in &scene.bodies {
-            let p = body.position;
+            let (p, geometry) = (body.position, body.geometry);
             let kind = if body.moves { RigidBodyBuilder::dynamic() } else { RigidBodyBuilder::fixed() };
-            let shape = match body.geometry {
+            let body = kind.translation(Vector::new(p.x, p.y, p.z)).can_sleep(false);
+            let Some(geometry) = geometry else {
+                let inertia = Vector::new(INERTIA, INERTIA, INERTIA);
+                let mass = MassProperties::new(Vector::ZERO, MASS, inertia);
+                bodies.push(world.insert_body(body.additional_mass_properties(mass)));
+                continue;
+            };
+            let shape = match geometry {
                 Geometry::Sphere { radius } => ColliderBuilder::ball(radius),
                 Geometry::Box { half_extents: h } => ColliderBuilder::cuboid(h.x, h.y, h.z),
                 Geometry::Capsule { half_height, radius } => ColliderBuilder::capsule_z(half_height, radius),
                 other => panic!("the scenes have no {other:?}"),
             };
-            let (handle, _) = world.insert(
-                kind.translation(Vector::new(p.x, p.y, p.z)).can_sleep(false),
-                shape.density(DENSITY).friction(FRICTION),
-            );
+            let (handle, _) = world.insert(body, shape.density(DENSITY).friction(FRICTION));
             bodies.push(handle);
+        }
+        for joint in &scene.joints {
+            let [a, b] = joint.bodies.map(|body| bodies[body]);
+            let [at_a, at_b] = joint.anchors.map(|anchor| Vector::new(anchor.x, anchor.y, anchor.z));
+            let ball = SphericalJointBuilder::new().local_anchor1(at_a).local_anchor2(at_b);
+            world.insert_impulse_joint(a, b, ball);
         }
         Self { world, bodies }
     }
@@ -43,6 +53,17 @@ impl Engine for Rapier {
 
     fn settings(&self) -> String {
         let p = &self.world.integration_parameters;
+        if let Some((_, joint)) = self.world.impulse_joints().next() {
+            let softness = joint.data.softness;
+            return format!(
+                "{} substeps x ({} sweep + {} relax), impulse joints at {:.0} Hz, damping ratio {}",
+                p.num_solver_iterations,
+                p.num_internal_pgs_iterations,
+                p.num_internal_stabilization_iterations,
+                softness.natural_frequency,
+                softness.damping_ratio
+            );
+        }
         format!(
             "{} substeps x ({} sweep + {} relax), {:.0} Hz ({:.0} Hz with fixed bodies), damping ratio {}, \
              recycling {}, {:?} friction",

@@ -1,4 +1,6 @@
 //! The scenes, as plain lists that every engine is filled from.
+//!
+//! A scene has shapes and contacts, or joints and no shapes.
 
 use cellstep::Geometry;
 use cellstep::math::Vec3;
@@ -13,21 +15,36 @@ pub const DT: f32 = 1.0 / 60.0;
 pub const GRAVITY: f32 = -9.81;
 
 /// Names for `--scene`.
-pub const NAMES: [&str; 2] = ["pyramid", "pile"];
+pub const NAMES: [&str; 3] = ["pyramid", "pile", "net"];
+/// Mass of a body without shape, kg.
+pub const MASS: f32 = 1.0;
+/// Its moment of inertia about every axis, kg m2: that of a solid ball of 0.4 m.
+pub const INERTIA: f32 = 0.4 * MASS * 0.4 * 0.4;
 
 /// A body of one shape in its middle, not turned.
 pub struct Body {
     pub moves: bool,
     pub position: Vec3,
-    /// A sphere, a box, or a capsule along z.
-    pub geometry: Geometry,
+    /// A sphere, a box, or a capsule along z. `None` for no shape, but [`MASS`] and [`INERTIA`].
+    pub geometry: Option<Geometry>,
+}
+
+/// A ball joint: it holds two points together, and leaves all turns free.
+pub struct Joint {
+    /// Places of the bodies in the scene.
+    pub bodies: [usize; 2],
+    /// The points, each in the frame of its body, metres.
+    pub anchors: [Vec3; 2],
 }
 
 pub struct Scene {
     pub name: &'static str,
     /// Steps when nothing else is asked for.
     pub steps: u32,
+    /// Steps before the first that is timed.
+    pub warm_up: u32,
     pub bodies: Vec<Body>,
+    pub joints: Vec<Joint>,
 }
 
 impl Scene {
@@ -40,12 +57,13 @@ impl Scene {
 pub fn make(name: &'static str) -> Scene {
     match name {
         "pyramid" => pyramid(),
+        "net" => net(),
         _ => pile(),
     }
 }
 
 fn fixed(position: Vec3, half_extents: Vec3) -> Body {
-    Body { moves: false, position, geometry: Geometry::Box { half_extents } }
+    Body { moves: false, position, geometry: Some(Geometry::Box { half_extents }) }
 }
 
 /// 5,050 unit boxes, 100 at the base, in the plane of x and z, just touching.
@@ -59,11 +77,11 @@ fn pyramid() -> Scene {
             bodies.push(Body {
                 moves: true,
                 position,
-                geometry: Geometry::Box { half_extents: Vec3::splat(0.5) },
+                geometry: Some(Geometry::Box { half_extents: Vec3::splat(0.5) }),
             });
         }
     }
-    Scene { name: "pyramid", steps: 200, bodies }
+    Scene { name: "pyramid", steps: 200, warm_up: 0, bodies, joints: Vec::new() }
 }
 
 /// 4,096 bodies, sphere, box and capsule in turn, that fall from a jittered grid into a box with walls.
@@ -89,9 +107,40 @@ fn pile() -> Scene {
             1 => Geometry::Box { half_extents: Vec3::splat(0.45) },
             _ => Geometry::Capsule { half_height: 0.3, radius: 0.3 },
         };
-        bodies.push(Body { moves: true, position: Vec3::new(x - inner, y - inner, z), geometry });
+        bodies.push(Body {
+            moves: true,
+            position: Vec3::new(x - inner, y - inner, z),
+            geometry: Some(geometry),
+        });
     }
-    Scene { name: "pile", steps: 500, bodies }
+    Scene { name: "pile", steps: 500, warm_up: 0, bodies, joints: Vec::new() }
+}
+
+/// 100 x 100 bodies of 1 kg, 1 m apart in a level plane, each held to its neighbours by ball joints half-way. Of
+/// one edge every fourth body and the corners are fixed; from there the net swings down. (The grid of joints of
+/// Box3D's own benchmarks hangs from the start, and its whole upper edge is fixed.)
+fn net() -> Scene {
+    const EDGE: usize = 100;
+    let middle = 0.5 * (EDGE - 1) as f32;
+    let (mut bodies, mut joints) = (Vec::new(), Vec::new());
+    for row in 0..EDGE {
+        for column in 0..EDGE {
+            let fixed = column == 0 && (row % 4 == 0 || row + 1 == EDGE);
+            let position = Vec3::new(column as f32 - middle, row as f32 - middle, 0.0);
+            let body = bodies.len();
+            bodies.push(Body { moves: !fixed, position, geometry: None });
+            let mut hold = |other: usize, half: Vec3| {
+                joints.push(Joint { bodies: [other, body], anchors: [half, -half] });
+            };
+            if row > 0 {
+                hold(body - EDGE, Vec3::new(0.0, 0.5, 0.0));
+            }
+            if column > 0 {
+                hold(body - 1, Vec3::new(0.5, 0.0, 0.0));
+            }
+        }
+    }
+    Scene { name: "net", steps: 200, warm_up: 100, bodies, joints }
 }
 
 /// A linear congruential generator: the same numbers in every run.

@@ -7,7 +7,16 @@ use crate::scenes::Scene;
 use crate::{RUN, SETTLED};
 
 pub fn print(scene: &Scene, steps: u32, entrants: &[Entrant]) {
-    println!("\n{}: {} moving bodies, {steps} steps in runs of {RUN}", scene.name, scene.moving());
+    let joined = match scene.joints.len() {
+        0 => String::new(),
+        joints => format!(", {joints} joints"),
+    };
+    let after = match scene.warm_up {
+        0 => String::new(),
+        steps => format!(" after {steps} that are not timed"),
+    };
+    let (name, moving) = (scene.name, scene.moving());
+    println!("\n{name}: {moving} moving bodies{joined}, {steps} steps in runs of {RUN}{after}");
     println!("{:34}{:>9}{:>9}{:>9}", "ms/step", "median", "mean", "thread");
     for entrant in entrants {
         let wall = walls(&entrant.runs);
@@ -17,6 +26,18 @@ pub fn print(scene: &Scene, steps: u32, entrants: &[Entrant]) {
         println!("{:34}{:9.3}{mean:9.3}{thread:>9}", entrant.engine.name(), median(wall));
     }
     ratios(entrants);
+    if scene.joints.is_empty() {
+        overlaps(entrants);
+    } else {
+        gaps(entrants);
+    }
+    for entrant in entrants {
+        println!("{}: {}", entrant.engine.name(), entrant.engine.settings());
+        entrant.engine.notes().iter().for_each(|note| println!("  {note}"));
+    }
+}
+
+fn overlaps(entrants: &[Entrant]) {
     println!("overlap, mm, from step {SETTLED} on, same ruler for all: worst max and p99, then at the end");
     println!(
         "{:34}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>11}",
@@ -39,9 +60,31 @@ pub fn print(scene: &Scene, steps: u32, entrants: &[Entrant]) {
             last.height
         );
     }
+}
+
+/// Gaps of joints, and cellstep's as shares of each engine's.
+fn gaps(entrants: &[Entrant]) {
+    println!("gaps of joints, m, at the end, same ruler for all; then the shares of 1 worker / engine");
+    let [p50, p99, max] = ["p50", "p99", "max"];
+    println!(
+        "{:34}{p50:>11}{p99:>11}{max:>11}{:>11}{:>11}{p50:>9}{p99:>9}{max:>9}",
+        "", "own max", "height, m"
+    );
+    let first = entrants.first().and_then(|entrant| entrant.gaps);
     for entrant in entrants {
-        println!("{}: {}", entrant.engine.name(), entrant.engine.settings());
-        entrant.engine.notes().iter().for_each(|note| println!("  {note}"));
+        let (Some(gaps), Some(first)) = (entrant.gaps, first) else { continue };
+        let own = entrant.engine.own_gap().map_or("-".to_string(), |gap| format!("{gap:.2e}"));
+        println!(
+            "{:34}{:11.2e}{:11.2e}{:11.2e}{own:>11}{:11.3}{:9.3}{:9.3}{:9.3}",
+            entrant.engine.name(),
+            gaps.p50,
+            gaps.p99,
+            gaps.max,
+            gaps.height,
+            first.p50 / gaps.p50,
+            first.p99 / gaps.p99,
+            first.max / gaps.max
+        );
     }
 }
 
