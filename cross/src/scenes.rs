@@ -2,6 +2,7 @@
 
 mod churn;
 mod falling;
+mod jointed;
 mod moved;
 mod things;
 
@@ -26,7 +27,7 @@ pub struct Scene {
 }
 
 /// All scenes.
-pub const ALL: [Scene; 8] = [
+pub const ALL: [Scene; 9] = [
     Scene { name: "pile", capacities: room(200), build: falling::pile, before_step: nothing },
     Scene { name: "pyramid", capacities: room(120), build: falling::pyramid, before_step: nothing },
     Scene { name: "terrain", capacities: room(140), build: falling::terrain, before_step: nothing },
@@ -35,7 +36,12 @@ pub const ALL: [Scene; 8] = [
     Scene { name: "movers", capacities: room(140), build: moved::movers, before_step: moved::move_on },
     Scene { name: "far", capacities: room(140), build: moved::far, before_step: moved::steer },
     Scene { name: "churn", capacities: room(140), build: churn::build, before_step: churn::change },
+    Scene { name: "jointed", capacities: JOINTED, build: jointed::build, before_step: jointed::push },
 ];
+
+/// Room for joints, and for what is told of bodies.
+const JOINTED: Capacities =
+    Capacities { joints: 160, materials: 4, events: 512, sensor_visits: 128, ..room(200) };
 
 fn nothing(_: &mut SceneWorld<'_>, _: u32) {}
 
