@@ -26,11 +26,11 @@ const SIZE: usize = 6;
 pub(crate) struct NodeRow {
     /// Lower triangle by rows: L below the diagonal, the inverse of D on it.
     diagonal: [Lane; SIZE * (SIZE + 1) / 2],
-    /// Right side of the system; then the answer. While it is factored: the sizes of what has met in the
-    /// diagonal, each times the share of its own digits that it lost before; a pivot is told from rounding by it.
+    /// Right side of the system; then the answer. While it is factored: the sizes of what has met in the diagonal,
+    /// each times the share of its own digits that it lost before; a pivot is told from rounding by it.
     pub side: [Lane; SIZE],
-    /// The right side as it was. While it is factored: what bodies have added to the diagonal.
-    pub asked: [Lane; SIZE],
+    /// While it is factored: what bodies have added to the diagonal. A share of it damps the pivot.
+    added: [Lane; SIZE],
 }
 
 /// A block of L of each of eight articulations, by rows of six.
@@ -90,7 +90,7 @@ impl Matrix<'_> {
             }
             for (r, row) in rows(spec.joint as usize).iter().enumerate() {
                 node.diagonal[at(r, r)] = -row.give;
-                (node.side[r], node.asked[r]) = (row.give, row.give);
+                (node.side[r], node.added[r]) = (row.give, row.give);
             }
         }
         for spec in self.pattern.nodes {
@@ -126,7 +126,7 @@ impl Matrix<'_> {
                 let change = divided.row_times(r, &scaled, c, size);
                 to.diagonal[at(r, c)] = to.diagonal[at(r, c)] - change;
                 if is_body && r == c {
-                    to.asked[r] = to.asked[r] + change;
+                    to.added[r] = to.added[r] + change;
                     to.side[r] = to.side[r] + change;
                 }
             }
@@ -219,7 +219,7 @@ impl NodeRow {
             let own = self.side[r];
             let stands = if is_joint {
                 let stands = (-pivot).greater(own * share_least).and(own.greater(least));
-                pivot = pivot - self.asked[r] * Lane::splat(DAMPING);
+                pivot = pivot - self.added[r] * Lane::splat(DAMPING);
                 stands
             } else {
                 pivot.greater(Lane::splat(0.5))
