@@ -42,8 +42,8 @@ pub struct Build {
 }
 
 /// The room that a scene gets: as many bodies, shapes, joints and assets as it has; [`PAIRS_PER_SHAPE`] and
-/// [`CONTACTS_PER_SHAPE`], and with sensors room for 4 visits, for each shape and [`ROOM_BASE`] more; no events; where
-/// the document names a capacity, that.
+/// [`CONTACTS_PER_SHAPE`], and with sensors room for 4 visits, for each shape and [`ROOM_BASE`] more; no events;
+/// where the document names a capacity, that.
 ///
 /// `vertices` and `triangles` are those of all meshes together.
 pub fn capacities(scene: &Scene, vertices: usize, triangles: usize) -> Capacities {
