@@ -18,6 +18,7 @@ use crate::constraint::joint::{
 use crate::joint::Signature;
 use crate::lanes::LANES;
 use crate::pipeline::layout::{EMPTY, Group};
+use crate::pipeline::sleep::root;
 use crate::pipeline::solver::{JointRows, take};
 use bytemuck::{Pod, Zeroable};
 
@@ -183,15 +184,6 @@ fn ends_of(link: &Link) -> [u32; 2] {
         (a, IMMOVABLE) => [a; 2],
         (a, b) => [a, b],
     }
-}
-
-/// The set of a body; shortens the way for the next time.
-fn root(sets: &mut [u32], mut body: u32) -> u32 {
-    while sets[body as usize] != body {
-        sets[body as usize] = sets[sets[body as usize] as usize];
-        body = sets[body as usize];
-    }
-    body
 }
 
 /// Rank of the joint of a key.

@@ -231,6 +231,11 @@ fn lay_out_phase(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<
         let bodies = schedule.bodies as usize;
         tables.first_seats[..bodies].copy_from_slice(&tables.phase_seats[..bodies]);
     }
+    end_phase(plan, first_group, first_seat);
+}
+
+/// Notes the groups and seats of a phase that is laid out.
+fn end_phase(plan: &mut Plan, first_group: usize, first_seat: usize) {
     plan.phases[plan.phase_count] = Phase {
         first_group: first_group as u32,
         groups: (plan.groups - first_group) as u32,
@@ -269,13 +274,7 @@ fn lay_out_articulations(schedule: &Schedule<'_>, tables: &mut Tables<'_>, plan:
         plan.groups += 1;
         seat_group(schedule, tables, (plan, first_group + i), first_seat as u32);
     }
-    plan.phases[plan.phase_count] = Phase {
-        first_group: first_group as u32,
-        groups: (plan.groups - first_group) as u32,
-        first_seat: first_seat as u32,
-        seats: (plan.seats - first_seat) as u32,
-    };
-    plan.phase_count += 1;
+    end_phase(plan, first_group, first_seat);
 }
 
 /// Writes the joints of a row of articulations to their rows and lanes.

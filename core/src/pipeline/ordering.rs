@@ -287,11 +287,12 @@ fn write_joints(
     for (rank, &slot) in scratch.held_slots[..held].iter().enumerate() {
         let place = cache.joint_order[rank] as usize;
         scratch.joint_slots[place] = slot;
-        let joint = &state.joints[slot as usize];
-        let [a, b] = joint.bodies;
-        let slots = if active_of[a as usize] == IMMOVABLE { [b, a] } else { [a, b] };
+        let Link { a, b, kind } = scratch.held_links[rank];
+        let (a, b) = if a == IMMOVABLE { (b, a) } else { (a, b) };
+        let active = |body: u32| active_of.get(body as usize).copied().unwrap_or(IMMOVABLE);
         let i = contacts + place;
-        (scratch.links[i], scratch.slot_links[i]) = link_of(slots, active_of, joint.signature().0);
+        scratch.links[i] = Link { a: active(a), b: active(b), kind };
+        scratch.slot_links[i] = Link { a, b, kind };
     }
     (loose, held - loose)
 }

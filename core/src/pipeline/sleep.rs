@@ -184,7 +184,7 @@ fn mark_joined(state: &State<'_>, marks: &mut [u8]) -> bool {
 }
 
 /// The least body of the set of a body.
-fn root(islands: &mut [u32], body: u32) -> u32 {
+pub(super) fn root(islands: &mut [u32], body: u32) -> u32 {
     let mut at = body;
     while islands[at as usize] != at {
         // Halves the way for the next one.

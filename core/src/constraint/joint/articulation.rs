@@ -4,7 +4,7 @@ use super::super::contact::{Pass, Sweep};
 use super::super::velocities::{Velocities, root_times};
 use super::elimination::{JOINTS_MAX, NONE, NodeSpec};
 use super::factor::Matrix;
-use super::solve::{NUDGE_MAX, Push, curvature, take_along};
+use super::solve::{NUDGE_MAX, Push, curvature, take_along, warm};
 use super::{BoundRow, JointLink, LockRow, follow};
 use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
@@ -40,10 +40,7 @@ impl Articulation<'_> {
     /// One pass over all joints.
     pub fn visit(&mut self, sweep: &Sweep, seats: &mut [Seat]) {
         match sweep.pass {
-            Pass::Warm => self.each(seats, |_, (locks, bounds), u| {
-                bounds.iter().for_each(|row| row.ways.apply(u, row.impulse));
-                locks.iter().for_each(|row| row.ways.apply(u, row.impulse));
-            }),
+            Pass::Warm => self.each(seats, |_, (locks, bounds), u| warm(u, locks, bounds)),
             Pass::Biased => {
                 self.each(seats, |link, (_, bounds), u| {
                     link.take_turns(u);

@@ -52,6 +52,13 @@ pub(crate) struct NodeSpec {
     pub blocks: u32,
 }
 
+impl NodeSpec {
+    /// Its blocks, from the articulation's first.
+    pub fn own_blocks(&self) -> core::ops::Range<usize> {
+        self.first_block as usize..(self.first_block + self.blocks) as usize
+    }
+}
+
 /// A block of the factor: the columns are those of the node that lists it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -61,7 +61,7 @@ impl Matrix<'_> {
             let size = spec.size as usize;
             self.nodes[i].factor(size, spec.joint != NONE);
             let node = self.nodes[i];
-            let own = spec.first_block as usize..(spec.first_block + spec.blocks) as usize;
+            let own = spec.own_blocks();
             for block in &mut self.blocks[own.clone()] {
                 block.divide(&node, size);
             }
@@ -95,7 +95,7 @@ impl Matrix<'_> {
         }
         for spec in self.pattern.nodes {
             let is_body = spec.joint == NONE;
-            let own = spec.first_block as usize..(spec.first_block + spec.blocks) as usize;
+            let own = spec.own_blocks();
             for (block, spec) in self.blocks[own.clone()].iter_mut().zip(&self.pattern.blocks[own]) {
                 *block = BlockRow::zeroed();
                 if spec.source == NONE {
@@ -135,9 +135,8 @@ impl Matrix<'_> {
                 to.side[r] = to.side[r] + share * share * node.side[k];
             }
         }
-        let first = nodes[place].first_block as usize;
-        let targets = first..first + nodes[place].blocks as usize;
-        let (before, after) = self.blocks.split_at_mut(first);
+        let targets = nodes[place].own_blocks();
+        let (before, after) = self.blocks.split_at_mut(targets.start);
         for q in p + 1..end {
             let row = specs[q].row;
             let Some(target) = specs[targets.clone()].iter().position(|spec| spec.row == row) else {
@@ -159,7 +158,7 @@ impl Matrix<'_> {
             let size = spec.size as usize;
             self.nodes[i].eliminate(size);
             let side = self.nodes[i].side;
-            let own = spec.first_block as usize..(spec.first_block + spec.blocks) as usize;
+            let own = spec.own_blocks();
             for (block, other) in self.blocks[own.clone()].iter().zip(&self.pattern.blocks[own]) {
                 let rows = self.pattern.nodes[other.row as usize].size as usize;
                 let to = &mut self.nodes[other.row as usize].side;
@@ -176,7 +175,7 @@ impl Matrix<'_> {
             for (r, x) in side.iter_mut().enumerate().take(size) {
                 *x = *x * self.nodes[i].diagonal[at(r, r)];
             }
-            let own = spec.first_block as usize..(spec.first_block + spec.blocks) as usize;
+            let own = spec.own_blocks();
             for (block, other) in self.blocks[own.clone()].iter().zip(&self.pattern.blocks[own]) {
                 let rows = self.pattern.nodes[other.row as usize].size as usize;
                 let from = &self.nodes[other.row as usize].side;

@@ -14,7 +14,7 @@ pub(super) const PIVOT_SHARE: f32 = 1.0e-5;
 pub(super) const NUDGE_MAX: f32 = 10.0;
 
 /// Applies the impulses of the step before.
-pub(super) fn warm<const N: usize>(u: &mut Velocities, locks: &[LockRow; N], bounds: &[BoundRow]) {
+pub(super) fn warm(u: &mut Velocities, locks: &[LockRow], bounds: &[BoundRow]) {
     for row in bounds {
         row.ways.apply(u, row.impulse);
     }
