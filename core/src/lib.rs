@@ -9,6 +9,7 @@
 pub mod cells;
 pub mod clock;
 pub mod collide;
+pub mod command;
 pub mod config;
 pub mod debug;
 pub mod executor;
@@ -35,6 +36,7 @@ mod world;
 pub use arena::Line;
 pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
 pub use clock::Clock;
+pub use command::{Applied, Command, CommandError};
 pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
 pub use debug::{DebugDraw, DebugLayers, DebugOptions};
 pub use error::{Error, SnapshotError};

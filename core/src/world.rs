@@ -3,6 +3,7 @@
 mod assets;
 mod bodies;
 mod checksum;
+mod commands;
 mod compounds;
 mod contacts;
 mod debug;

@@ -6,21 +6,20 @@
 mod joints;
 mod materials;
 
-use crate::commands::{Command, Outcome};
 use crate::executors::Random;
 use crate::worlds::{self, OwnedWorld};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, Error, Filter, Geometry,
-    HullHandle, JointHandle, MassProperties, MaterialTraits, MeshHandle, Position, Settings, ShapeDef,
-    ShapeEvents, ShapeHandle,
+    Applied, AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, Command, ContactModel, Error,
+    Filter, Geometry, HullHandle, JointHandle, MassProperties, MaterialTraits, MeshHandle, Position,
+    Settings, ShapeDef, ShapeEvents, ShapeHandle,
 };
 
 /// Handles that are remembered; older ones are forgotten at random.
 const KNOWN_MAX: usize = 48;
 
 /// A command and what came of it.
-pub type Event = (Command, Result<Outcome, Error>);
+pub type Event = (Command, Result<Applied, Error>);
 
 /// The player.
 #[derive(Clone, Debug)]
@@ -153,11 +152,11 @@ impl Simulator {
     }
 
     fn give(&mut self, command: Command, world: &mut OwnedWorld, events: &mut Vec<Event>) {
-        let outcome = command.apply(world);
+        let outcome = world.apply(&command);
         match outcome {
-            Ok(Outcome::Body(body)) => remember(&mut self.random, &mut self.bodies, body),
-            Ok(Outcome::Shape(shape)) => remember(&mut self.random, &mut self.shapes, shape),
-            Ok(Outcome::Joint(joint)) => remember(&mut self.random, &mut self.joints, joint),
+            Ok(Applied::Body(body)) => remember(&mut self.random, &mut self.bodies, body),
+            Ok(Applied::Shape(shape)) => remember(&mut self.random, &mut self.shapes, shape),
+            Ok(Applied::Joint(joint)) => remember(&mut self.random, &mut self.joints, joint),
             _ => {}
         }
         events.push((command, outcome));
@@ -167,7 +166,7 @@ impl Simulator {
     fn create(&mut self, world: &mut OwnedWorld, events: &mut Vec<Event>) {
         let command = Command::CreateBody(self.body_def());
         self.give(command, world, events);
-        let Some((_, Ok(Outcome::Body(body)))) = events.last() else { return };
+        let Some((_, Ok(Applied::Body(body)))) = events.last() else { return };
         let body = *body;
         for _ in 0..=self.random.below(4) / 3 {
             let command = Command::CreateShape(body, self.shape_def());
@@ -392,7 +391,7 @@ fn remember<T>(random: &mut Random, known: &mut Vec<T>, handle: T) {
 /// When a command has another outcome than it had.
 pub fn replay(world: &mut OwnedWorld, events: &[Event]) {
     for (command, outcome) in events {
-        assert_eq!(command.apply(world), *outcome, "{command:?}");
+        assert_eq!(world.apply(command), *outcome, "{command:?}");
     }
 }
 

@@ -3,10 +3,9 @@
 use super::{ball, cuboid, dynamic};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Error, Filter, Geometry, HullHandle, MassProperties,
+    AxisLocks, BodyDef, BodyHandle, BodyKind, Command, Error, Filter, Geometry, HullHandle, MassProperties,
     MeshHandle, Position, ShapeDef, ShapeHandle,
 };
-use cellstep_tests::commands::Command;
 use cellstep_tests::simulator;
 use cellstep_tests::worlds::{self, OwnedWorld, add, run};
 
