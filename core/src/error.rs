@@ -100,9 +100,11 @@ pub enum SnapshotError {
         /// The version in the bytes.
         found: u32,
     },
-    /// Made by a world with other capacities: overflow rules depend on them, so they must be the same.
+    /// Made by a world with other capacities, see [`Capacities::layout_hash`](crate::Capacities::layout_hash):
+    /// overflow rules depend on them, so they must be the same.
     Capacities,
-    /// Made with another set of assets: register the same assets in the same order.
+    /// Made with another set of assets, see [`World::assets_hash`](crate::World::assets_hash): register the same
+    /// assets in the same order.
     Assets,
     /// The content hash does not match the bytes: damaged on the way.
     Damaged,

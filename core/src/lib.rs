@@ -56,4 +56,7 @@ pub use query::{
 pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
 pub use state::Surface;
-pub use world::{Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, World, WorldManifold};
+pub use world::{
+    Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotSection, World,
+    WorldManifold,
+};

@@ -34,6 +34,7 @@ use bytemuck::Zeroable;
 pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
 pub use height_fields::HeightFieldDef;
+pub use snapshot::{SnapshotHeader, SnapshotSection};
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,6 +169,7 @@ pub struct World<M> {
     memory: M,
     layout: Layout,
     capacities: Capacities,
+    layout_hash: u64,
 }
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
@@ -187,7 +189,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         }
         let kept = layout.assets.bytes + layout.state.bytes;
         memory.as_mut()[..kept / LINE].fill(Line::ZERO);
-        let mut world = Self { memory, layout, capacities };
+        let mut world = Self { memory, layout, capacities, layout_hash: capacities.layout_hash() };
         world.header_mut().settings = SettingsRow::from(&Settings::default());
         world.drop_caches();
         Ok(world)

@@ -54,10 +54,10 @@ fn refused(world: &mut OwnedWorld, body: BodyHandle, shape: ShapeHandle) {
     let before = world.state().to_vec();
     let (no_body, no_shape) = (Error::Stale { what: "body" }, Error::Stale { what: "shape" });
     for command in of_body(body) {
-        assert_eq!(command.apply(world), Err(no_body), "{command:?}");
+        assert_eq!(world.apply(&command), Err(no_body), "{command:?}");
     }
     for command in of_shape(shape) {
-        assert_eq!(command.apply(world), Err(no_shape), "{command:?}");
+        assert_eq!(world.apply(&command), Err(no_shape), "{command:?}");
     }
     assert_eq!(world.kind(body), Err(no_body));
     assert_eq!(world.is_quarantined(body), Err(no_body));
