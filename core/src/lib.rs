@@ -58,5 +58,5 @@ pub use shape::{Filter, Geometry, ShapeDef};
 pub use state::Surface;
 pub use world::{
     Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotSection, World,
-    WorldManifold,
+    WorldManifold, xxh64,
 };

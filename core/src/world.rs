@@ -31,6 +31,7 @@ use crate::state::{
 };
 use bytemuck::Zeroable;
 
+pub use checksum::hash as xxh64;
 pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
 pub use height_fields::HeightFieldDef;

@@ -1,10 +1,12 @@
 //! What must hold for bytes from anywhere: the oracles of the fuzz targets, which tests share.
 
+use crate::executors::Random;
 use crate::simulator::{self, CAPACITIES};
 use crate::worlds::OwnedWorld;
 use cellstep::mjcf::Model;
+use cellstep::replay::{self, Player, Replay};
 use cellstep::scene::{Limits, Scene};
-use cellstep::{Capacities, Error, Serial};
+use cellstep::{Capacities, Command, Error, Serial, xxh64};
 use std::path::Path;
 
 /// Steps that an accepted world takes.
@@ -69,6 +71,60 @@ pub fn mjcf(bytes: &[u8]) -> bool {
         scene(conversion.scene.to_json().as_bytes());
     }
     true
+}
+
+/// Most that the world of a fuzzed replay may take.
+const REPLAY_LIMITS: replay::Limits = replay::Limits { world_bytes: 16 << 20 };
+
+/// Reads bytes as a replay and plays it as far as its steps are quick. True when it is one with a world.
+///
+/// # Panics
+/// When the replay is read otherwise after a cut than before.
+pub fn replay(bytes: &[u8]) -> bool {
+    let Ok(replay) = Replay::read(bytes.to_vec()) else { return false };
+    for command in (replay.first_step()..replay.last_step()).flat_map(|step| replay.commands(step)) {
+        let mut room = [0; Command::BYTES_MAX];
+        assert!(command.command.encode(&mut room).is_ok());
+    }
+    let whole = bytes.len() - replay.cut_bytes();
+    let again = Replay::read(bytes[..whole].to_vec()).expect("whole records are read");
+    assert_eq!((again.last_step(), again.cut_bytes()), (replay.last_step(), 0));
+    let Ok(mut player) = Player::new(&replay, &REPLAY_LIMITS) else { return false };
+    while !player.is_at_end() && player.steps() - replay.first_step() < u64::from(STEPS) {
+        if player.compare().is_err() || player.apply().is_some() || !is_quick(player.world()) {
+            return true;
+        }
+        player.advance(&mut Serial);
+    }
+    true
+}
+
+/// A replay with some bytes of its records changed, and checksums that match.
+pub fn forged_replay(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+    const PREAMBLE: usize = 16;
+    let mut out = bytes[..PREAMBLE].to_vec();
+    let (mut seal, mut rest) = (xxh64(&out, 0), &bytes[PREAMBLE..]);
+    while let Some(length) = rest.first_chunk::<4>() {
+        let length = u32::from_le_bytes(*length) as usize;
+        let mut payload = rest[4..5 + length].to_vec();
+        rest = &rest[length + 13..];
+        match random.below(40) {
+            0 => continue,
+            1 => payload.truncate(1 + random.below(payload.len() as u64) as usize),
+            2 => payload.extend((0..random.below(20)).map(|_| random.bits() as u8)),
+            3..6 => {
+                let bit = random.below(payload.len() as u64 * 8) as usize;
+                payload[bit / 8] ^= 1 << (bit % 8);
+            }
+            _ => {}
+        }
+        let start = out.len();
+        out.extend_from_slice(&(payload.len() as u32 - 1).to_le_bytes());
+        out.extend_from_slice(&payload);
+        seal = xxh64(&out[start..], seal);
+        out.extend_from_slice(&seal.to_le_bytes());
+    }
+    out
 }
 
 /// Loads bytes into a small world. Gives the refusal, or the world after 60 steps.
