@@ -147,14 +147,15 @@ struct Sides {
 }
 
 /// A frame in every lane.
-struct Frame {
-    position: LaneVec,
+pub(crate) struct Frame {
+    pub position: LaneVec,
     /// Columns of the rotation.
     axes: [LaneVec; 3],
 }
 
 impl Frame {
-    fn of(frames: [Words; LANES]) -> Self {
+    /// From `[position, 0, rotation]` of each lane.
+    pub fn of(frames: [Words; LANES]) -> Self {
         let [px, py, pz, _, x, y, z, w] = transpose(frames);
         let (one, two) = (Lane::splat(1.0), Lane::splat(2.0));
         let (x2, y2, z2) = (two * x, two * y, two * z);
@@ -172,7 +173,7 @@ impl Frame {
     }
 
     #[inline(always)]
-    fn rotate(&self, v: LaneVec) -> LaneVec {
+    pub fn rotate(&self, v: LaneVec) -> LaneVec {
         self.axes[0].times(v.x) + self.axes[1].times(v.y) + self.axes[2].times(v.z)
     }
 }
