@@ -9,7 +9,7 @@ use crate::cells::IMMOVABLE;
 use crate::constraint::contact::press_mass;
 use crate::constraint::row::{LinkRow, PointRow, ResistRow};
 use crate::constraint::velocities::{free_axes, root_times};
-use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, transpose};
+use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, each_lane, transpose};
 use crate::math::{Vec3, max};
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::chord;
@@ -102,8 +102,8 @@ struct Body {
 
 impl Body {
     fn of(bodies: [&Active; LANES]) -> Self {
-        let u = transpose(bodies.map(|body| words::<_, 3>(body)[0]));
-        let r = transpose(bodies.map(|body| words::<_, 3>(body)[1]));
+        let u = transpose(each_lane(|lane| words::<_, 3>(bodies[lane])[0]));
+        let r = transpose(each_lane(|lane| words::<_, 3>(bodies[lane])[1]));
         Self {
             linear: LaneVec::new(u[0], u[1], u[2]),
             angular: LaneVec::new(u[4], u[5], u[6]),
@@ -516,7 +516,7 @@ fn words_of(memos: [&Memo; LANES], several: bool) -> [Lane; 32] {
     let mut found = [Lane::ZERO; 32];
     // The second run of words has the points on A after the first: 1 to 3.
     for (k, own) in found.chunks_exact_mut(8).enumerate().filter(|&(k, _)| several || k != 1) {
-        own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
+        own.copy_from_slice(&transpose(each_lane(|lane| words::<_, 4>(memos[lane])[k])));
     }
     found
 }

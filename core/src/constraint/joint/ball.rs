@@ -8,11 +8,11 @@
 //! Legend: as in `constraint/contact.rs`.
 
 use super::super::contact::{Pass, Sweep};
-use super::super::velocities::{Velocities, root_times};
+use super::super::velocities::{Velocities, motions, root_times};
 use super::LOCK_PUSH;
 use super::follow::Turning;
 use super::solve::{NUDGE_MAX, PIVOT_SHARE};
-use crate::lanes::{LANES, Lane, LaneVec, transpose};
+use crate::lanes::{LANES, Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bytemuck::{Pod, Zeroable};
 
@@ -157,8 +157,7 @@ impl BallRow {
     /// axes, added.
     #[inline(always)]
     fn follow(&mut self, seats: &[Seat], masses: LaneVec) {
-        let a = transpose(self.seats_a.map(|i| seats[i as usize].moved));
-        let b = transpose(self.seats_b.map(|i| seats[i as usize].moved));
+        let [a, b] = motions((&self.seats_a, &self.seats_b), seats);
         // A body that is no longer finite keeps its arms, so that it does not spread.
         let finite = |v: LaneVec| LaneVec::new(v.x.finite(), v.y.finite(), v.z.finite());
         let moved = finite(LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
