@@ -14,6 +14,7 @@ pub mod config;
 pub mod debug;
 pub mod executor;
 pub mod math;
+pub mod observe;
 
 mod arena;
 mod body;
@@ -49,13 +50,14 @@ pub use handle::{
 };
 pub use joint::{Axis, AxisMotion, Coupling, Drive, JointDef, Spring};
 pub use material::{MaterialTraits, Mix, PairMaterial};
+pub use observe::{Observer, StageView};
 pub use query::{
     BodyKinds, ClosestPoint, Found, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region,
     ShapeCast,
 };
 pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
-pub use state::Surface;
+pub use state::{Field, FieldKind, Surface};
 pub use world::{
     Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotSection, World,
     WorldManifold, xxh64,

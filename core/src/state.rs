@@ -5,6 +5,7 @@
 //! never bits. **Scratch** is made anew by each step.
 
 mod assets;
+mod fields;
 
 use crate::arena::region;
 use crate::body::{BodyRow, Motion};
@@ -34,6 +35,8 @@ pub use assets::Surface;
 pub(crate) use assets::{
     AssetTables, Assets, AssetsLayout, CompoundRow, HeightFieldRow, MeshRow, SurfaceRun,
 };
+pub use fields::{Field, FieldKind};
+pub(crate) use fields::{fields, fields_of};
 
 /// Marks of all pools, settings and counters: the first section of the state.
 #[repr(C)]

@@ -17,6 +17,7 @@
 //! [`World::step`]: cellstep_core::World::step
 
 mod assets;
+mod bisect;
 mod error;
 mod format;
 mod play;
@@ -25,6 +26,7 @@ mod record;
 mod write;
 
 pub use assets::AssetSet;
+pub use bisect::{Bisection, FieldDifference, Moment, Parting, Run, bisect, bisect_self};
 pub use error::{ErrorKind, ReplayError};
 pub use format::FORMAT_VERSION;
 pub use play::{Difference, Divergence, Player, Verdict, verify, verify_with};

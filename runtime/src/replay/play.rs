@@ -3,7 +3,7 @@
 use super::read::Evidence;
 use super::{Cause, Checksums, Limits, Replay, ReplayError};
 use crate::Memory;
-use cellstep_core::{Command, Executor, Line, StepReport, World};
+use cellstep_core::{Command, Executor, Line, Observer, StepReport, World};
 use std::fmt;
 
 /// A world that follows a replay.
@@ -167,6 +167,23 @@ impl<'a> Player<'a> {
     pub fn advance(&mut self, executor: &mut impl Executor) -> StepReport {
         self.step += 1;
         self.world.step(executor)
+    }
+
+    /// Takes the step with somebody who looks.
+    pub(super) fn advance_observed(
+        &mut self,
+        executor: &mut impl Executor,
+        observer: &mut impl Observer,
+    ) -> StepReport {
+        self.step += 1;
+        self.world.step_observed(executor, observer)
+    }
+
+    /// Goes to a state.
+    pub(super) fn jump(&mut self, step: u64, snapshot: &[u8]) -> Result<(), ReplayError> {
+        self.world.load(snapshot)?;
+        self.step = step;
+        Ok(())
     }
 
     /// True when all steps of the replay were taken.
