@@ -1,16 +1,16 @@
 //! Commands: the calls that change a world, as plain values with one encoding each.
 //!
-//! Whatever changes a world after its assets are registered is one of these, settings and gravity included. A game
-//! that sends, keeps or rolls back its inputs does so with commands, and gives them to [`World::apply`], which calls
-//! the method of the same name: there is no second path. Not commands are [`World::step`], and what puts a world
-//! elsewhere in time as a whole ([`World::restore`], [`World::load`]).
+//! Whatever changes a world after its assets are registered is one of these, settings and gravity included. A
+//! game that sends, keeps or rolls back its inputs does so with commands, and gives them to [`World::apply`], which
+//! calls the method of the same name: there is no second path. Not commands are [`World::step`], and what puts a
+//! world elsewhere in time as a whole ([`World::restore`], [`World::load`]).
 //!
 //! **Encoding.** Little-endian: a tag of two bytes, the kind in the lower and the version of this kind's fields in
-//! the upper one, then the fields in the order of the definition. Numbers as they are, `bool` and `Option` as a byte
-//! 0 or 1, an enumeration as a byte and the fields of its variant. A value has exactly one encoding: what decodes
-//! encodes to the same bytes. Every number that is not a number is written as `7fc00000`, since its bits differ
-//! between machines; a world refuses it anyway. A kind whose fields change gets a new version; bytes of a version
-//! that this build does not know are refused.
+//! the upper one, then the fields in the order of the definition. Numbers as they are, `bool` and `Option` as a
+//! byte 0 or 1, an enumeration as a byte and the fields of its variant. A value has exactly one encoding: what
+//! decodes encodes to the same bytes. What is not a number is written as `7fc00000`, since its bits differ between
+//! machines; a world refuses it anyway. A kind whose fields change gets a new version; bytes of a version that this
+//! build does not know are refused.
 //!
 //! [`World::apply`]: crate::World::apply
 //! [`World::step`]: crate::World::step

@@ -6,7 +6,7 @@ use crate::worlds::OwnedWorld;
 use cellstep::mjcf::Model;
 use cellstep::replay::{self, Player, Replay};
 use cellstep::scene::{Limits, Scene};
-use cellstep::{Capacities, Command, Error, Serial, xxh64};
+use cellstep::{BEHAVIOUR_VERSION, Capacities, Command, Error, Serial, xxh64};
 use std::path::Path;
 
 /// Steps that an accepted world takes.
@@ -99,32 +99,63 @@ pub fn replay(bytes: &[u8]) -> bool {
     true
 }
 
-/// A replay with some bytes of its records changed, and checksums that match.
-pub fn forged_replay(bytes: &[u8], random: &mut Random) -> Vec<u8> {
-    const PREAMBLE: usize = 16;
-    let mut out = bytes[..PREAMBLE].to_vec();
-    let (mut seal, mut rest) = (xxh64(&out, 0), &bytes[PREAMBLE..]);
+/// Bytes of a replay before its records.
+const PREAMBLE: usize = 16;
+/// Where the content hash lies in a keyframe's record, after its kind, cause and step.
+const KEYFRAME_HASH: core::ops::Range<usize> = 1 + 9 + CONTENT_HASH.start..1 + 9 + CONTENT_HASH.end;
+
+/// The replay whose records, each kind and payload, are changed by `change`, with checksums that match; records
+/// that `change` empties are left out. What follows the last whole record stays.
+fn rewritten(bytes: &[u8], mut change: impl FnMut(&mut Vec<u8>)) -> Vec<u8> {
+    let Some((preamble, mut rest)) = bytes.split_at_checked(PREAMBLE) else { return bytes.to_vec() };
+    let mut out = preamble.to_vec();
+    let mut seal = xxh64(&out, 0);
     while let Some(length) = rest.first_chunk::<4>() {
         let length = u32::from_le_bytes(*length) as usize;
-        let mut payload = rest[4..5 + length].to_vec();
-        rest = &rest[length + 13..];
-        match random.below(40) {
-            0 => continue,
-            1 => payload.truncate(1 + random.below(payload.len() as u64) as usize),
-            2 => payload.extend((0..random.below(20)).map(|_| random.bits() as u8)),
-            3..6 => {
-                let bit = random.below(payload.len() as u64 * 8) as usize;
-                payload[bit / 8] ^= 1 << (bit % 8);
-            }
-            _ => {}
+        let Some(end) = length.checked_add(13).filter(|end| *end <= rest.len()) else { break };
+        let mut record = rest[4..5 + length].to_vec();
+        rest = &rest[end..];
+        change(&mut record);
+        if record.is_empty() {
+            continue;
         }
         let start = out.len();
-        out.extend_from_slice(&(payload.len() as u32 - 1).to_le_bytes());
-        out.extend_from_slice(&payload);
+        out.extend_from_slice(&(record.len() as u32 - 1).to_le_bytes());
+        out.extend_from_slice(&record);
         seal = xxh64(&out[start..], seal);
         out.extend_from_slice(&seal.to_le_bytes());
     }
+    out.extend_from_slice(rest);
     out
+}
+
+/// The replay with the versions of this build and checksums that match: what a fuzzer changed then gets further
+/// than the checksum.
+pub fn resealed_replay(bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    if let Some(versions) = bytes.get_mut(8..PREAMBLE) {
+        versions[..4].copy_from_slice(&replay::FORMAT_VERSION.to_le_bytes());
+        versions[4..].copy_from_slice(&BEHAVIOUR_VERSION.to_le_bytes());
+    }
+    rewritten(&bytes, |record| {
+        if let (3, Some(hash)) = (record[0], record.get_mut(KEYFRAME_HASH)) {
+            hash.fill(0);
+        }
+    })
+}
+
+/// A replay with some bytes of its records changed, and checksums that match.
+pub fn forged_replay(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+    rewritten(bytes, |record| match random.below(40) {
+        0 => record.clear(),
+        1 => record.truncate(1 + random.below(record.len() as u64) as usize),
+        2 => record.extend((0..random.below(20)).map(|_| random.bits() as u8)),
+        3..6 => {
+            let bit = random.below(record.len() as u64 * 8) as usize;
+            record[bit / 8] ^= 1 << (bit % 8);
+        }
+        _ => {}
+    })
 }
 
 /// Loads bytes into a small world. Gives the refusal, or the world after 60 steps.

@@ -92,8 +92,8 @@ however many workers there are.
 A shard takes each N-th replay of the list, from the I-th on, I being 0..N-1. `--merge` takes the outputs of all
 shards and prints what one run over the whole list prints.
 
-Exit codes: 0 all same, 1 one diverged, 3 one is corrupt, 4 one is of another version, 2 wrong usage or one cannot be
-read; of several the first in this order.
+Exit codes: 0 all same, 1 one diverged, 3 one is corrupt, 4 one is of another version, 2 wrong usage or one cannot
+be read; of several the first in this order.
 
 Examples:
   cellstep verify *.replay --workers 8
@@ -176,7 +176,8 @@ Examples:
 pub struct InspectArgs {
     /// A replay.
     pub file: PathBuf,
-    /// Prints the commands of this step and their outcomes, one a line, instead: those before the world's N-th step.
+    /// Prints the commands of this step and their outcomes, one a line, instead: those before the world's N-th
+    /// step.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub step: Option<u64>,
     /// Print one JSON object and nothing else.

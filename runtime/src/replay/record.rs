@@ -7,9 +7,12 @@ use std::io::Write;
 /// Records a world: it is given each command and each step, and passes them on.
 ///
 /// The world stays yours, to read and to query. A change that does not go through the recorder is not in the
-/// replay; it is noticed where checksums were taken at the step before, and the state then goes into the file as a
-/// keyframe with [`Cause::Unrecorded`], so that what follows can be played and the change be named. An error of the
-/// output ends the recording, not the game: [`Recorder::finish`] tells it.
+/// replay. Where checksums were taken after the step before, and the change comes before the first command of the
+/// next one, it is noticed at once, and the state goes into the file as a keyframe with [`Cause::Unrecorded`]: what
+/// follows can be played, and the change be named. Else it shows in the next checksums. To restore the world to
+/// another time is such a change: a game that rolls back writes its final steps with a [`Writer`].
+///
+/// An error of the output ends the recording, not the game: [`Recorder::finish`] tells it.
 ///
 /// ```
 /// use cellstep::math::Vec3;
