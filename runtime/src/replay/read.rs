@@ -314,7 +314,7 @@ impl Index {
         }
         match record.kind {
             KEYFRAME => self.marks.push(Mark { step, cause, range: range(9) }),
-            CHECKSUMS if rest.len() < 8 || rest.len() % 8 != 0 => return Some("it has no whole checksums"),
+            CHECKSUMS if rest.len() < 8 || !rest.len().is_multiple_of(8) => return Some("it has no whole checksums"),
             CHECKSUMS => self.marks.push(Mark { step, cause: None, range: range(8) }),
             STEP => return self.add_step(&mut rest, range(12)),
             END if rest.is_empty() => self.is_finished = true,
