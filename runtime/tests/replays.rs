@@ -137,6 +137,9 @@ fn exit_codes_tell_the_worst() {
     expect(no_replay, 3, "corrupt");
     expect(version, 4, "version");
     expect(absent, 2, "unreadable");
+    let (code, line) = result(&[good, "--memory", "0"]);
+    assert_eq!((code, &line["result"]), (2, &"unreadable".into()));
+    assert!(line["message"].as_str().unwrap().ends_with(" bytes, 0 are allowed"), "{line}");
     assert_eq!(result(&[absent, version]).0, 4);
     assert_eq!(result(&[absent, version, damaged]).0, 3);
     assert_eq!(result(&[absent, version, damaged, diverged, good]).0, 1);

@@ -8,7 +8,8 @@ use cellstep::replay::{
 use cellstep::scene::Build;
 use cellstep::scene::builtin::{BUILTIN, Builtin};
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, Capacities, Command, Executor, Geometry, Pool, Serial, ShapeDef, Stage,
+    BodyDef, BodyHandle, BodyKind, Capacities, Command, Executor, Geometry, Observer, Pool, Serial, ShapeDef,
+    Stage, StageView, xxh64,
 };
 use cellstep_tests::executors::{Random, Shuffled};
 use cellstep_tests::simulator::snapshot;
@@ -245,6 +246,38 @@ fn runs_on_other_executors_are_the_same_after_each_stage() {
         let found = bisect_self(&replay, &mut Serial, &mut pool, &LIMITS).expect("a world is made");
         assert!(matches!(found, Bisection::Same { steps: 8 }), "{}: {found:?}", builtin.name);
     }
+}
+
+/// Notes the stages, and the checksums of what there is to see at the end.
+#[derive(Default)]
+struct Watcher {
+    stages: Vec<Stage>,
+    sums: Vec<(&'static str, u64)>,
+    rows: usize,
+}
+
+impl Observer for Watcher {
+    fn after(&mut self, stage: Stage, view: &StageView<'_, '_>) {
+        self.stages.push(stage);
+        self.sums = view.sections().map(|(name, bytes)| (name, xxh64(bytes, 0))).collect();
+        self.rows += view.rows().map(|(_, bytes)| bytes.len()).sum::<usize>();
+    }
+}
+
+#[test]
+fn observers_see_the_state_after_each_stage() {
+    let scene = Builtin::find("ragdolls").expect("it exists").scene(2).expect("in range");
+    let Build { mut world, .. } = scene.build(Path::new("")).expect("it builds");
+    for _ in 0..30 {
+        let mut watcher = Watcher::default();
+        world.step_observed(&mut Serial, &mut watcher);
+        assert_eq!(watcher.stages, Stage::ALL[..7]);
+        assert!(watcher.sums.iter().copied().eq(world.checksum_by_section()));
+        assert!(watcher.rows > 0);
+    }
+    let mut twin = scene.build(Path::new("")).expect("it builds").world;
+    worlds::run(&mut twin, 30);
+    assert_eq!(twin.checksum(), world.checksum(), "who looks changes nothing");
 }
 
 /// Leaves out a task of a stage in a step.

@@ -324,8 +324,10 @@ const ASSET_CASES: &[Case] = &[
 /// Public methods that change a world and take no number.
 const WITHOUT_NUMBERS: &[&str] = &[
     "set_shape_events",
+    "apply",
     "step",
     "step_scheduled",
+    "step_observed",
     "drop_caches",
     "remove_body",
     "remove_shape",

@@ -113,6 +113,9 @@ pub struct VerifyArgs {
     /// Replays that are played side by side [default: one for each processor].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub workers: Option<u16>,
+    /// Greatest memory of a replay's world, MiB: a file from a stranger may ask for any.
+    #[arg(long, value_name = "MIB", default_value_t = 4096)]
+    pub memory: u64,
     /// Plays a part of the list only.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<(u32, u32)>,

@@ -121,13 +121,15 @@ pub fn verify(args: &VerifyArgs, out: &mut impl Write) -> Result<u8, Failure> {
         Summary { shard, shards, files: list.len(), list: hash_of(&list), ..Summary::default() };
     let workers = args.workers.map_or_else(processors, usize::from).min(own.len().max(1));
     let bar = progress_bar(own.len());
+    let limits = Limits { world_bytes: args.memory.saturating_mul(1 << 20) };
     let (next, (sender, receiver)) = (AtomicUsize::new(0), mpsc::channel());
     std::thread::scope(|scope| {
         for _ in 0..workers {
             let (sender, next, own, list, bar) = (sender.clone(), &next, &own, &list, &bar);
+            let limits = &limits;
             scope.spawn(move || {
                 while let Some(&index) = own.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let line = line(index, &list[index], bar, own.len() == 1);
+                    let line = line(index, &list[index], limits, (bar, own.len() == 1));
                     if sender.send(line).is_err() {
                         // Nobody reads any more.
                         return;
@@ -178,7 +180,7 @@ fn hash_of(list: &[PathBuf]) -> String {
 }
 
 /// Plays one replay.
-fn line(index: usize, path: &Path, bar: &ProgressBar, is_alone: bool) -> Line {
+fn line(index: usize, path: &Path, limits: &Limits, (bar, is_alone): (&ProgressBar, bool)) -> Line {
     let file = path.to_string_lossy().into_owned();
     let mut line = Line {
         index,
@@ -197,7 +199,7 @@ fn line(index: usize, path: &Path, bar: &ProgressBar, is_alone: bool) -> Line {
         if is_alone {
             bar.set_length(steps);
         }
-        verify_with(&replay, &mut Serial, &Limits::default(), |step| {
+        verify_with(&replay, &mut Serial, limits, |step| {
             if is_alone {
                 bar.set_position(step);
             }

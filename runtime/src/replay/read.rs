@@ -188,15 +188,16 @@ impl Replay {
 
     /// The keyframes, ascending by step; the first is the start.
     pub fn keyframes(&self) -> impl Iterator<Item = Keyframe<'_>> {
-        self.marks.iter().filter_map(|mark| match self.evidence_of(mark) {
-            Evidence::Keyframe(keyframe) => Some(keyframe),
-            Evidence::Checksums(_) => None,
+        self.marks.iter().filter_map(|mark| {
+            let snapshot = &self.bytes[mark.range.clone()];
+            mark.cause.map(|cause| Keyframe { step: mark.step, cause, snapshot })
         })
     }
 
     /// The checksums, ascending by step.
     pub fn checksums(&self) -> impl Iterator<Item = Checksums> + '_ {
-        self.marks.iter().filter_map(|mark| match self.evidence_of(mark) {
+        let without_cause = self.marks.iter().filter(|mark| mark.cause.is_none());
+        without_cause.filter_map(|mark| match self.evidence_of(mark) {
             Evidence::Checksums(sums) => Some(sums),
             Evidence::Keyframe(_) => None,
         })
@@ -314,7 +315,9 @@ impl Index {
         }
         match record.kind {
             KEYFRAME => self.marks.push(Mark { step, cause, range: range(9) }),
-            CHECKSUMS if rest.len() < 8 || !rest.len().is_multiple_of(8) => return Some("it has no whole checksums"),
+            CHECKSUMS if rest.is_empty() || !rest.len().is_multiple_of(8) => {
+                return Some("it has no whole checksums");
+            }
             CHECKSUMS => self.marks.push(Mark { step, cause: None, range: range(8) }),
             STEP => return self.add_step(&mut rest, range(12)),
             END if rest.is_empty() => self.is_finished = true,
