@@ -26,7 +26,9 @@ mod record;
 mod write;
 
 pub use assets::AssetSet;
-pub use bisect::{Bisection, FieldDifference, Moment, Parting, Run, bisect, bisect_self};
+pub use bisect::{
+    Bisection, FieldDifference, Moment, Parting, Run, bisect, bisect_self, bisect_self_with, bisect_with,
+};
 pub use error::{ErrorKind, ReplayError};
 pub use format::FORMAT_VERSION;
 pub use play::{Difference, Divergence, Player, Verdict, verify, verify_with};

@@ -115,6 +115,28 @@ fn a_recorded_run_verifies() {
 }
 
 #[test]
+fn a_recording_survives_the_end_of_its_process() {
+    let folder = folder("killed");
+    let file = folder.join("run.replay");
+    let name = file.to_str().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_cellstep"))
+        .args(["run", "tower", "--size", "3", "--steps", "4000000", "--workers", "1", "--record", name])
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    while std::fs::metadata(&file).map_or(0, |file| file.len()) < 20_000 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let replay = Replay::open(&file).unwrap();
+    assert!(!replay.is_finished() && replay.last_step() > 10);
+    let (code, lines) = call(&["verify", name]);
+    let line = json(lines.lines().next().unwrap());
+    assert_eq!((code, &line["complete"], &line["steps"]), (0, &false.into(), &replay.last_step().into()));
+}
+
+#[test]
 fn exit_codes_tell_the_worst() {
     let paths = replays(&folder("codes"));
     let [good, diverged, cut, damaged, version, _, no_replay, absent] = &paths[..] else { unreachable!() };

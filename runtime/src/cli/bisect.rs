@@ -1,8 +1,9 @@
 //! `cellstep bisect`: where two runs parted, as a table or as JSON.
 
 use crate::args::BisectArgs;
+use crate::verify::progress_bar;
 use crate::{DIVERGED, Failure, json, open, refusal, say};
-use cellstep::replay::{Bisection, FieldDifference, Limits, Moment, Parting, bisect as find, bisect_self};
+use cellstep::replay::{Bisection, FieldDifference, Limits, Moment, Parting, bisect_self_with, bisect_with};
 use cellstep::{BodyHandle, Pool, Serial};
 use serde::Serialize;
 use std::io::Write;
@@ -47,14 +48,17 @@ struct FieldRow {
 pub fn bisect(args: &BisectArgs, out: &mut impl Write) -> Result<u8, Failure> {
     let a = open(&args.a)?;
     let limits = Limits::default();
+    let bar = progress_bar("bisect", "steps", a.last_step() - a.first_step());
+    let progress = |step| bar.set_position(step);
     let found = match &args.b {
-        Some(b) => find(&a, &open(b)?, &limits),
+        Some(b) => bisect_with(&a, &open(b)?, &limits, progress),
         None => {
             let workers = usize::from(args.workers);
             let mut pool = Pool::new(workers).map_err(|error| format!("--workers {workers}: {error}"))?;
-            bisect_self(&a, &mut Serial, &mut pool, &limits)
+            bisect_self_with(&a, (&mut Serial, &mut pool), &limits, progress)
         }
     };
+    bar.finish_and_clear();
     let found = found.map_err(|error| refusal(&args.a, &error))?;
     let code = if matches!(found, Bisection::Same { .. }) { 0 } else { DIVERGED };
     let text = match &found {

@@ -120,7 +120,8 @@ pub fn verify(args: &VerifyArgs, out: &mut impl Write) -> Result<u8, Failure> {
     let mut summary =
         Summary { shard, shards, files: list.len(), list: hash_of(&list), ..Summary::default() };
     let workers = args.workers.map_or_else(processors, usize::from).min(own.len().max(1));
-    let bar = progress_bar(own.len());
+    let what = if own.len() == 1 { "steps" } else { "replays" };
+    let bar = progress_bar("verify", what, own.len() as u64);
     let limits = Limits { world_bytes: args.memory.saturating_mul(1 << 20) };
     let (next, (sender, receiver)) = (AtomicUsize::new(0), mpsc::channel());
     std::thread::scope(|scope| {
@@ -238,12 +239,11 @@ fn outcome_of(error: &ReplayError) -> Outcome {
 }
 
 /// A bar for people only.
-fn progress_bar(files: usize) -> ProgressBar {
+pub fn progress_bar(call: &str, what: &str, length: u64) -> ProgressBar {
     if !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let what = if files == 1 { "steps" } else { "replays" };
-    let template = format!("verify {{wide_bar}} {{pos}}/{{len}} {what}, {{eta}} left");
+    let template = format!("{call} {{wide_bar}} {{pos}}/{{len}} {what}, {{eta}} left");
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(files as u64).with_style(style)
+    ProgressBar::new(length).with_style(style)
 }

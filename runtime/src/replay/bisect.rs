@@ -134,12 +134,26 @@ pub fn bisect_self(
     second: &mut impl Executor,
     limits: &Limits,
 ) -> Result<Bisection, ReplayError> {
+    bisect_self_with(replay, (first, second), limits, |_| ())
+}
+
+/// [`bisect_self`], which calls `progress` with the number of steps so far.
+///
+/// # Errors
+/// Those of [`Replay::new_world`].
+pub fn bisect_self_with(
+    replay: &Replay,
+    (first, second): (&mut impl Executor, &mut impl Executor),
+    limits: &Limits,
+    mut progress: impl FnMut(u64),
+) -> Result<Bisection, ReplayError> {
     let (mut here, mut again) = (Player::new(replay, limits)?, Player::new(replay, limits)?);
     let mut known = Known::new(replay, None);
     loop {
         if let Some(parting) = known.compare(&mut here)? {
             return Ok(Bisection::Parted(parting));
         }
+        progress(here.steps() - replay.first_step());
         if here.is_at_end() {
             return Ok(Bisection::Same { steps: replay.last_step() - replay.first_step() });
         }
@@ -178,6 +192,19 @@ pub fn bisect_self(
 /// # Errors
 /// Those of [`Replay::new_world`].
 pub fn bisect(a: &Replay, b: &Replay, limits: &Limits) -> Result<Bisection, ReplayError> {
+    bisect_with(a, b, limits, |_| ())
+}
+
+/// [`bisect`], which calls `progress` with the number of steps so far.
+///
+/// # Errors
+/// Those of [`Replay::new_world`].
+pub fn bisect_with(
+    a: &Replay,
+    b: &Replay,
+    limits: &Limits,
+    mut progress: impl FnMut(u64),
+) -> Result<Bisection, ReplayError> {
     let runs = [Run::First, Run::Second];
     let start = |field, message: &str| {
         let (step, moment, message) = (a.first_step(), Moment::Start, message.to_string());
@@ -201,6 +228,7 @@ pub fn bisect(a: &Replay, b: &Replay, limits: &Limits) -> Result<Bisection, Repl
             return Ok(Bisection::Parted(parting));
         }
         let step = here.steps();
+        progress(step - a.first_step());
         if step >= last {
             return Ok(Bisection::Same { steps: last - a.first_step() });
         }
