@@ -24,7 +24,12 @@ fn play(cheat: Option<u64>) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     world.create_shape(ground, &ShapeDef::new(Geometry::HalfSpace))?;
 
     // A file in a game: it is whole up to the last step, whatever happens.
-    let options = Options { checksums_every: 1, keyframes_every: 120, note: "the example".to_string() };
+    let options = Options {
+        checksums_every: 1,
+        keyframes_every: 120,
+        note: "the example".to_string(),
+        ..Options::default()
+    };
     let mut recorder = Recorder::new(Vec::new(), &world, &assets, &options)?;
     let mut bodies: Vec<BodyHandle> = Vec::new();
     for step in 0..STEPS {

@@ -40,7 +40,8 @@ fn recording(hidden: Option<u64>, push: f32) -> Vec<u8> {
     let scene = Builtin::find("mixed_pile").unwrap().scene(12).unwrap();
     let mut built = scene.build(Path::new("")).unwrap();
     let body = BodyHandle { index: 3, generation: 1 };
-    let options = Options { checksums_every: 1, keyframes_every: 8, note: "a test".to_string() };
+    let options =
+        Options { checksums_every: 1, keyframes_every: 8, note: "a test".to_string(), ..Options::default() };
     let mut recorder = Recorder::new(Vec::new(), &built.world, &built.assets, &options).unwrap();
     for step in 0..20 {
         if hidden == Some(step) {

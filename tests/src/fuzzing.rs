@@ -101,8 +101,8 @@ pub fn replay(bytes: &[u8]) -> bool {
 
 /// Bytes of a replay before its records.
 const PREAMBLE: usize = 16;
-/// Where the content hash lies in a keyframe's record, after its kind, cause and step.
-const KEYFRAME_HASH: core::ops::Range<usize> = 1 + 9 + CONTENT_HASH.start..1 + 9 + CONTENT_HASH.end;
+/// Where the content hash lies in a keyframe's record, after its kind, cause, step and number of commands.
+const KEYFRAME_HASH: core::ops::Range<usize> = 14 + CONTENT_HASH.start..14 + CONTENT_HASH.end;
 
 /// The replay whose records, each kind and payload, are changed by `change`, with checksums that match; records
 /// that `change` empties are left out. What follows the last whole record stays.

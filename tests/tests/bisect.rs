@@ -2,8 +2,8 @@
 
 use cellstep::math::Vec3;
 use cellstep::replay::{
-    AssetSet, Bisection, Cause, Limits, Moment, Options, Parting, Recorder, Replay, Run, Writer, bisect,
-    bisect_self,
+    AssetSet, Bisection, Cause, Limits, Moment, Options, Parting, Player, Recorder, Replay, Run, Verdict,
+    Writer, bisect, bisect_self, verify,
 };
 use cellstep::scene::Build;
 use cellstep::scene::builtin::{BUILTIN, Builtin};
@@ -20,7 +20,7 @@ const LIMITS: Limits = Limits { world_bytes: 256 << 20 };
 const STEPS: u64 = 60;
 
 fn options(checksums_every: u32, keyframes_every: u32) -> Options {
-    Options { checksums_every, keyframes_every, note: String::new() }
+    Options { checksums_every, keyframes_every, note: String::new(), ..Options::default() }
 }
 
 /// The ground and a heap of balls and boxes that touch.
@@ -137,6 +137,49 @@ fn a_flipped_bit_is_named() {
         );
         check_field(&alone, &flip);
     }
+}
+
+/// Between two commands of a step, where the checksum after the step alone would not name the body.
+#[test]
+fn a_flip_between_commands_is_named_where_commands_are_watched() {
+    let flip = Flip { step: 30, number: 12, bit: 5, body: heap().1[4] };
+    let record = |is_flipped: bool| {
+        let (mut world, bodies) = heap();
+        let options = Options { watches_commands: true, ..options(20, 20) };
+        let mut recorder = Recorder::new(Vec::new(), &world, &AssetSet::new(), &options).expect("no assets");
+        for step in 0..50 {
+            for i in 0..3 {
+                if is_flipped && step == flip.step && i == 2 {
+                    flip.plant(&mut world);
+                }
+                recorder.apply(&mut world, &Command::ApplyForce(bodies[i], Vec3::X)).expect("it is dynamic");
+            }
+            recorder.step(&mut world, &mut Serial);
+        }
+        let end = world.checksum();
+        (Replay::read(recorder.finish(&world).expect("room")).expect("it is read"), end)
+    };
+    let (straight, flipped) = (record(false).0, record(true));
+    let (flipped, end) = (&flipped.0, flipped.1);
+    for found in [
+        bisect(&straight, flipped, &LIMITS),
+        bisect(flipped, &straight, &LIMITS),
+        bisect_self(flipped, &mut Serial, &mut Shuffled::new(1), &LIMITS),
+    ] {
+        let found = parting(found.expect("worlds are made"));
+        assert_eq!((found.step, found.moment), (30, Moment::Commands), "{found}");
+        assert!(found.message.starts_with("after command 1 of step 31 the world was changed"), "{found}");
+        check_field(&found, &flip);
+    }
+    let verdict = verify(flipped, &mut Serial, &LIMITS).expect("a world is made");
+    let Verdict::Diverged(divergence) = verdict else { panic!("it is noticed") };
+    let expected =
+        "after step 30 and 2 commands: the recorded world was changed without a record, in motions";
+    assert_eq!(divergence.to_string(), expected);
+    // Who goes on from before the change follows it.
+    let mut player = Player::new(flipped, &LIMITS).expect("a world is made");
+    player.seek(50, &mut Serial).expect("keyframes are states");
+    assert_eq!(player.world().checksum(), end);
 }
 
 /// As a game that rolls back records: states of its own at each step, written when they are final.

@@ -64,7 +64,12 @@ fn replays() -> BTreeMap<String, Vec<u8>> {
             let (mut simulator, mut world) = Simulator::new(seed, CAPACITIES);
             let (mut assets, mut other) = (AssetSet::new(), worlds::world_with(CAPACITIES));
             simulator::assets(&mut other, &mut assets);
-            let options = Options { checksums_every: 2, keyframes_every: 4, note: "a seed".to_string() };
+            let options = Options {
+                checksums_every: 2,
+                keyframes_every: 4,
+                note: "a seed".to_string(),
+                ..Options::default()
+            };
             let mut recorder = Recorder::new(Vec::new(), &world, &assets, &options).expect("its assets");
             for _ in 0..6 {
                 simulator.play_with(&mut world, |world, command| recorder.apply(world, command));

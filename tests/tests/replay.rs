@@ -45,7 +45,7 @@ fn game(seed: u64, steps: u32, options: &Options, executor: &mut impl Executor) 
 }
 
 fn options(checksums_every: u32, keyframes_every: u32) -> Options {
-    Options { checksums_every, keyframes_every, note: "a test".to_string() }
+    Options { checksums_every, keyframes_every, note: "a test".to_string(), ..Options::default() }
 }
 
 #[test]
@@ -220,7 +220,9 @@ fn what_is_not_recorded_is_noticed() {
         panic!("the change is noticed")
     };
     assert_eq!(divergence.step, 12);
-    let Difference::Unrecorded { sections } = &divergence.difference else { panic!("{divergence}") };
+    let Difference::Unrecorded { after: 0, sections } = &divergence.difference else {
+        panic!("{divergence}")
+    };
     assert!(sections.contains(&"motions") && !sections.contains(&"shapes"), "{sections:?}");
     // From the keyframe of the change on it goes on.
     let mut player = Player::new(&replay, &LIMITS).expect("its world is made");

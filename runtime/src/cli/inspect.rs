@@ -37,6 +37,7 @@ struct Contents {
 #[derive(Debug, Serialize)]
 struct KeyframeRow {
     step: u64,
+    after: u32,
     cause: &'static str,
     bytes: usize,
 }
@@ -71,6 +72,7 @@ fn contents(args: &InspectArgs, replay: &Replay) -> Contents {
     }
     let row = |keyframe: cellstep::replay::Keyframe<'_>| KeyframeRow {
         step: keyframe.step,
+        after: keyframe.after,
         cause: keyframe.cause.name(),
         bytes: keyframe.snapshot.len(),
     };
@@ -127,8 +129,9 @@ fn table(contents: &Contents) -> String {
     row("checksums", &format!("{}, every {} steps", contents.checksums, contents.checksums_every));
     row("last checksum", &contents.last_checksum.as_deref().unwrap_or("none"));
     for keyframe in &contents.keyframes {
-        let KeyframeRow { step, cause, bytes } = keyframe;
-        row("keyframe", &format!("after step {step}, {cause}, {bytes} bytes"));
+        let KeyframeRow { step, after, cause, bytes } = keyframe;
+        let commands = if *after > 0 { format!(" and {after} commands") } else { String::new() };
+        row("keyframe", &format!("after step {step}{commands}, {cause}, {bytes} bytes"));
     }
     for (name, count) in &contents.commands {
         row("commands", &format!("{name} {count}"));

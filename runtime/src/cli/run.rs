@@ -94,6 +94,7 @@ fn recorder(args: &RunArgs, world: &World<Memory>, assets: &AssetSet) -> Result<
     let options = Options {
         checksums_every: args.checksums_every,
         keyframes_every: args.keyframes_every,
+        watches_commands: false,
         note: format!("cellstep run {}{size}", args.scene),
     };
     let refused = |error: &dyn std::fmt::Display| format!("cannot write {}: {error}", path.display());

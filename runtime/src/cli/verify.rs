@@ -218,7 +218,7 @@ fn line(index: usize, path: &Path, limits: &Limits, (bar, is_alone): (&ProgressB
             line.sections = match divergence.difference {
                 Difference::Checksum { sections, .. }
                 | Difference::Keyframe { sections }
-                | Difference::Unrecorded { sections } => sections,
+                | Difference::Unrecorded { sections, .. } => sections,
                 _ => Vec::new(),
             };
         }

@@ -11,7 +11,7 @@ pub use states::FieldDifference;
 
 use super::play::save;
 use super::read::Evidence;
-use super::{Cause, Checksums, Limits, Player, Replay, ReplayError, total};
+use super::{Cause, Checksums, Keyframe, Limits, Player, Replay, ReplayError, total};
 use crate::Memory;
 use cellstep_core::{Executor, Serial, Stage, World, xxh64};
 use stages::{Camera, Comparison};
@@ -157,6 +157,9 @@ pub fn bisect_self_with(
         if here.is_at_end() {
             return Ok(Bisection::Same { steps: replay.last_step() - replay.first_step() });
         }
+        if let Some(parting) = known.compare_within(&here, replay, limits)? {
+            return Ok(Bisection::Parted(parting));
+        }
         known.remember(&here);
         if let Some(divergence) = here.apply() {
             let (step, message) = (divergence.step, divergence.to_string());
@@ -235,6 +238,9 @@ pub fn bisect_with(
         known.remember(&here);
         if a.command_bytes(step) != b.command_bytes(step) {
             return other_commands(&mut here, [a, b], limits);
+        }
+        if let Some(parting) = known.compare_within(&here, a, limits)? {
+            return Ok(Bisection::Parted(parting));
         }
         if let Some(divergence) = here.apply() {
             return Ok(commands_differ(step, [Run::First, Run::Here], divergence.to_string()));
@@ -373,7 +379,7 @@ impl<'a> Known<'a> {
             // The same change without a record in both, as by a game that always does so.
             (Some(a), Some(b)) if a.is_between && b.is_between && a.state == b.state => {
                 let unrecorded = self.replays[0].into_iter().flat_map(Replay::keyframes);
-                let keyframe = unrecorded.filter(|keyframe| keyframe.step == step).last();
+                let keyframe = unrecorded.filter(|other| other.step == step && other.after == 0).last();
                 here.jump(step, keyframe.ok_or(ReplayError::NoStart)?.snapshot)?;
                 return Ok(None);
             }
@@ -419,6 +425,59 @@ impl<'a> Known<'a> {
         Ok(Some(Box::new(Parting { step, agreed, moment, runs, field, field_step, message })))
     }
 
+    /// Compares the states between the commands of the coming step with the recordings that tell of them.
+    fn compare_within(
+        &self,
+        here: &Player<'_>,
+        replay: &Replay,
+        limits: &Limits,
+    ) -> Result<Option<Box<Parting>>, ReplayError> {
+        let step = here.steps();
+        let told = self.replays.map(|replay| {
+            replay.map_or(Vec::new(), |replay| replay.keyframes_within(step).collect::<Vec<_>>())
+        });
+        if told.iter().all(Vec::is_empty) {
+            return Ok(None);
+        }
+        let mut snapshot = Vec::new();
+        save(here.world(), &mut snapshot);
+        let mut there = Player::new(replay, limits)?;
+        there.jump(step, &snapshot)?;
+        for (index, command) in replay.commands(step).enumerate() {
+            there.give(&command, index);
+            save(there.world(), &mut snapshot);
+            for (which, keyframes) in told.iter().enumerate() {
+                let strays = |keyframe: &&Keyframe<'_>| {
+                    keyframe.after as usize == index + 1 && keyframe.snapshot != snapshot.as_slice()
+                };
+                let Some(stray) = keyframes.iter().find(strays) else { continue };
+                let [mine, other] =
+                    [stray.snapshot, snapshot.as_slice()].map(|bytes| sections_of(there.world(), bytes));
+                let (own, other, runs) = match (which, self.replays[1]) {
+                    (0, None) => (mine, other, [Run::First, Run::Here]),
+                    (0, Some(_)) => (mine, other, [Run::First, Run::Second]),
+                    _ => (other, mine, [Run::First, Run::Second]),
+                };
+                let message = format!(
+                    "after command {index} of step {} the world was changed by calls that were not recorded: \
+                     in the {}",
+                    step + 1,
+                    if which == 0 { Run::First.name() } else { Run::Second.name() },
+                );
+                return Ok(Some(Box::new(Parting {
+                    step,
+                    agreed: Some(step),
+                    moment: Moment::Commands,
+                    runs,
+                    field: first_difference(there.world(), &own, &other),
+                    field_step: step,
+                    message,
+                })));
+            }
+        }
+        Ok(None)
+    }
+
     fn moment(
         &self,
         field: &Option<FieldDifference>,
@@ -445,7 +504,8 @@ impl<'a> Known<'a> {
     ) -> Result<Option<([Sections; 2], u64)>, ReplayError> {
         let step = here.steps();
         let Some(replay) = self.replays[which] else { return Ok(None) };
-        let Some(keyframe) = replay.keyframes().find(|keyframe| keyframe.step > step) else {
+        let is_later = |keyframe: &Keyframe<'_>| keyframe.step > step && keyframe.after == 0;
+        let Some(keyframe) = replay.keyframes().find(is_later) else {
             return Ok(None);
         };
         while here.steps() < keyframe.step && !here.is_at_end() {

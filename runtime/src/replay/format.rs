@@ -28,7 +28,7 @@ pub(super) const FRAME: usize = 4 + 1 + 8;
 pub(super) const WORLD: u8 = 1;
 /// One asset.
 pub(super) const ASSET: u8 = 2;
-/// Why, step, sealed snapshot.
+/// Why, step, number of commands since, sealed snapshot.
 pub(super) const KEYFRAME: u8 = 3;
 /// Step, number of commands; for each whether it was refused, and its encoding.
 pub(super) const STEP: u8 = 4;
@@ -167,6 +167,7 @@ pub(super) struct WorldRecord {
     pub assets_hash: u64,
     pub checksums_every: u32,
     pub keyframes_every: u32,
+    pub watches_commands: bool,
     pub note: String,
 }
 
@@ -180,6 +181,7 @@ impl WorldRecord {
         out.extend_from_slice(&self.assets_hash.to_le_bytes());
         out.extend_from_slice(&self.checksums_every.to_le_bytes());
         out.extend_from_slice(&self.keyframes_every.to_le_bytes());
+        out.extend_from_slice(&u32::from(self.watches_commands).to_le_bytes());
         out.extend_from_slice(self.note.as_bytes());
         out
     }
@@ -196,6 +198,7 @@ impl WorldRecord {
             assets_hash: u64_of(&mut rest)?,
             checksums_every: u32_of(&mut rest)?,
             keyframes_every: u32_of(&mut rest)?,
+            watches_commands: u32_of(&mut rest).filter(|&watches| watches <= 1)? == 1,
             note: String::from_utf8(rest.to_vec()).ok()?,
         })
     }

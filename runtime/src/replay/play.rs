@@ -1,7 +1,7 @@
 //! Playing a replay, and comparing with it.
 
 use super::read::Evidence;
-use super::{Cause, Checksums, Limits, Replay, ReplayError};
+use super::{Cause, Checksums, Keyframe, Limits, Replay, ReplayError, StepCommand};
 use crate::Memory;
 use cellstep_core::{Command, Executor, Line, Observer, StepReport, World};
 use std::fmt;
@@ -54,6 +54,8 @@ pub enum Difference {
     },
     /// The recorded world was changed by calls that are not in the replay: see [`Cause::Unrecorded`].
     Unrecorded {
+        /// Commands of the coming step that came before.
+        after: u32,
         /// The sections of the state that were changed.
         sections: Vec<&'static str>,
     },
@@ -105,14 +107,15 @@ impl<'a> Player<'a> {
     /// [`ReplayError::World`] when the keyframe is refused.
     pub fn seek(&mut self, step: u64, executor: &mut impl Executor) -> Result<(), ReplayError> {
         let step = step.clamp(self.replay.first_step(), self.replay.last_step());
-        let keyframe = self.replay.keyframes().take_while(|keyframe| keyframe.step <= step).last();
+        let before = self.replay.keyframes().take_while(|keyframe| keyframe.step <= step);
+        let keyframe = before.filter(|keyframe| keyframe.after == 0).last();
         let keyframe = keyframe.ok_or(ReplayError::NoStart)?;
         if keyframe.step > self.step || step < self.step || keyframe.step == step {
             self.world.load(keyframe.snapshot)?;
             self.step = keyframe.step;
         }
         while self.step < step {
-            self.apply();
+            self.follow()?;
             self.advance(executor);
         }
         Ok(())
@@ -129,14 +132,7 @@ impl<'a> Player<'a> {
             let difference = match evidence {
                 Evidence::Keyframe(keyframe) if keyframe.cause == Cause::Start => continue,
                 Evidence::Checksums(sums) => compare_sums(&self.world, &sums),
-                Evidence::Keyframe(keyframe) => {
-                    save(&self.world, &mut self.buffer);
-                    let sections = differing(&self.world, &self.buffer, keyframe.snapshot);
-                    (self.buffer != keyframe.snapshot).then_some(match keyframe.cause {
-                        Cause::Unrecorded => Difference::Unrecorded { sections },
-                        _ => Difference::Keyframe { sections },
-                    })
-                }
+                Evidence::Keyframe(keyframe) => self.compare_keyframe(&keyframe),
             };
             compared += 1;
             if let Some(difference) = difference {
@@ -146,21 +142,52 @@ impl<'a> Player<'a> {
         Ok(compared)
     }
 
-    /// Gives the world the commands of the coming step. Gives the first one whose outcome is another than recorded.
+    fn compare_keyframe(&mut self, keyframe: &Keyframe<'_>) -> Option<Difference> {
+        save(&self.world, &mut self.buffer);
+        if self.buffer == keyframe.snapshot {
+            return None;
+        }
+        let sections = differing(&self.world, &self.buffer, keyframe.snapshot);
+        Some(match keyframe.cause {
+            Cause::Unrecorded => Difference::Unrecorded { after: keyframe.after, sections },
+            _ => Difference::Keyframe { sections },
+        })
+    }
+
+    /// Gives the world the commands of the coming step, and compares with keyframes between them. Gives the first
+    /// difference, of states or of outcomes.
     pub fn apply(&mut self) -> Option<Divergence> {
-        let mut first = None;
-        for (index, command) in self.replay.commands(self.step).enumerate() {
-            let is_refused = self.world.apply(&command.command).is_err();
-            if is_refused != command.is_refused && first.is_none() {
-                let difference = Difference::Outcome {
-                    index,
-                    command: Box::new(command.command),
-                    was_refused: command.is_refused,
-                };
-                first = Some(Divergence { step: self.step, difference });
+        let (step, mut first) = (self.step, None);
+        let mut within = self.replay.keyframes_within(step).peekable();
+        for (index, command) in self.replay.commands(step).enumerate() {
+            first = first.or(self.give(&command, index));
+            while let Some(keyframe) = within.next_if(|keyframe| keyframe.after as usize == index + 1) {
+                let difference = self.compare_keyframe(&keyframe);
+                first = first.or(difference.map(|difference| Divergence { step, difference }));
             }
         }
         first
+    }
+
+    /// Gives the world the commands of the coming step, and takes over what was changed between them without a
+    /// record.
+    fn follow(&mut self) -> Result<(), ReplayError> {
+        let mut within = self.replay.keyframes_within(self.step).peekable();
+        for (index, command) in self.replay.commands(self.step).enumerate() {
+            self.give(&command, index);
+            while let Some(keyframe) = within.next_if(|keyframe| keyframe.after as usize == index + 1) {
+                self.world.load(keyframe.snapshot)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the world a command; says when its outcome is another than recorded.
+    pub(super) fn give(&mut self, command: &StepCommand, index: usize) -> Option<Divergence> {
+        let is_refused = self.world.apply(&command.command).is_err();
+        let (was_refused, command) = (command.is_refused, Box::new(command.command));
+        let difference = Difference::Outcome { index, command, was_refused };
+        (is_refused != was_refused).then_some(Divergence { step: self.step, difference })
     }
 
     /// Takes the step.
@@ -276,9 +303,12 @@ impl fmt::Display for Divergence {
             Difference::Keyframe { sections } => {
                 write!(f, "after step {step}: the state differs from the keyframe in {}", sections.join(", "))
             }
-            Difference::Unrecorded { sections } => {
-                let sections = sections.join(", ");
-                write!(f, "after step {step}: the recorded world was changed without a record, in {sections}")
+            Difference::Unrecorded { after, sections } => {
+                write!(f, "after step {step}")?;
+                if *after > 0 {
+                    write!(f, " and {after} commands")?;
+                }
+                write!(f, ": the recorded world was changed without a record, in {}", sections.join(", "))
             }
         }
     }

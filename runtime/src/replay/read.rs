@@ -34,8 +34,9 @@ struct StepPlace {
 /// Something that tells of the state between steps.
 #[derive(Clone, Debug)]
 struct Mark {
-    /// Steps of the world then.
+    /// Steps of the world then, and commands since.
     step: u64,
+    after: u32,
     /// Why there is a keyframe; `None` for checksums.
     cause: Option<Cause>,
     range: Range<usize>,
@@ -57,6 +58,8 @@ pub struct Checksums {
 pub struct Keyframe<'a> {
     /// Steps of the recording then.
     pub step: u64,
+    /// Commands since that step: mostly none.
+    pub after: u32,
     /// Why it is there.
     pub cause: Cause,
     /// What [`World::load`] takes.
@@ -164,6 +167,7 @@ impl Replay {
         super::Options {
             checksums_every: self.world.checksums_every,
             keyframes_every: self.world.keyframes_every,
+            watches_commands: self.world.watches_commands,
             note: self.world.note.clone(),
         }
     }
@@ -190,7 +194,7 @@ impl Replay {
     pub fn keyframes(&self) -> impl Iterator<Item = Keyframe<'_>> {
         self.marks.iter().filter_map(|mark| {
             let snapshot = &self.bytes[mark.range.clone()];
-            mark.cause.map(|cause| Keyframe { step: mark.step, cause, snapshot })
+            mark.cause.map(|cause| Keyframe { step: mark.step, after: mark.after, cause, snapshot })
         })
     }
 
@@ -203,19 +207,33 @@ impl Replay {
         })
     }
 
-    /// What is known of the state after `step` steps, in the order of the recording.
+    /// What is known of the state after `step` steps and before the next command, in the order of the recording.
     pub(super) fn evidence(&self, step: u64) -> impl Iterator<Item = Evidence<'_>> {
+        let of_step = self.marks_of(step).take_while(|mark| mark.after == 0);
+        of_step.map(|mark| self.evidence_of(mark))
+    }
+
+    /// Keyframes between the commands after `step` steps.
+    pub(super) fn keyframes_within(&self, step: u64) -> impl Iterator<Item = Keyframe<'_>> {
+        let within = self.marks_of(step).skip_while(|mark| mark.after == 0);
+        within.filter_map(|mark| match self.evidence_of(mark) {
+            Evidence::Keyframe(keyframe) => Some(keyframe),
+            Evidence::Checksums(_) => None,
+        })
+    }
+
+    fn marks_of(&self, step: u64) -> impl Iterator<Item = &Mark> {
         let start = self.marks.partition_point(|mark| mark.step < step);
-        self.marks[start..]
-            .iter()
-            .take_while(move |mark| mark.step == step)
-            .map(|mark| self.evidence_of(mark))
+        self.marks[start..].iter().take_while(move |mark| mark.step == step)
     }
 
     fn evidence_of(&self, mark: &Mark) -> Evidence<'_> {
         let bytes = &self.bytes[mark.range.clone()];
         match mark.cause {
-            Some(cause) => Evidence::Keyframe(Keyframe { step: mark.step, cause, snapshot: bytes }),
+            Some(cause) => {
+                let (step, after) = (mark.step, mark.after);
+                Evidence::Keyframe(Keyframe { step, after, cause, snapshot: bytes })
+            }
             None => {
                 let mut sums = bytes.chunks_exact(8).map(|sum| {
                     let mut eight = [0; 8];
@@ -314,20 +332,33 @@ impl Index {
             return Some("its step is not the next one");
         }
         match record.kind {
-            KEYFRAME => self.marks.push(Mark { step, cause, range: range(9) }),
+            KEYFRAME => {
+                let Some(after) = u32_of(&mut rest) else { return Some("it is too short") };
+                let before = self.marks.last().filter(|mark| mark.step == step).map_or(0, |mark| mark.after);
+                if after < before || is_start && after > 0 {
+                    return Some("its state is before that of the mark before");
+                }
+                self.marks.push(Mark { step, after, cause, range: range(13) });
+            }
             CHECKSUMS if rest.is_empty() || !rest.len().is_multiple_of(8) => {
                 return Some("it has no whole checksums");
             }
-            CHECKSUMS => self.marks.push(Mark { step, cause: None, range: range(8) }),
-            STEP => return self.add_step(&mut rest, range(12)),
+            CHECKSUMS if self.marks.last().is_some_and(|mark| mark.step == step && mark.after > 0) => {
+                return Some("checksums stand before the commands of a step");
+            }
+            CHECKSUMS => self.marks.push(Mark { step, after: 0, cause: None, range: range(8) }),
+            STEP => return self.add_step(&mut rest, step, range(12)),
             END if rest.is_empty() => self.is_finished = true,
             _ => return Some("it is of no known kind"),
         }
         None
     }
 
-    fn add_step(&mut self, rest: &mut &[u8], commands: Range<usize>) -> Option<&'static str> {
+    fn add_step(&mut self, rest: &mut &[u8], step: u64, commands: Range<usize>) -> Option<&'static str> {
         let Some(count) = u32_of(rest) else { return Some("it is too short") };
+        if self.marks.last().is_some_and(|mark| mark.step == step && mark.after > count) {
+            return Some("a keyframe stands after more commands than there are");
+        }
         let mut found = 0u64;
         while take_command(rest).is_some() {
             found += 1;

@@ -9,8 +9,9 @@ use std::io::Write;
 /// The world stays yours, to read and to query. A change that does not go through the recorder is not in the
 /// replay. Where checksums were taken after the step before, and the change comes before the first command of the
 /// next one, it is noticed at once, and the state goes into the file as a keyframe with [`Cause::Unrecorded`]: what
-/// follows can be played, and the change be named. Else it shows in the next checksums. To restore the world to
-/// another time is such a change: a game that rolls back writes its final steps with a [`Writer`].
+/// follows can be played, and the change be named. With [`Options::watches_commands`] all changes are noticed at
+/// once. Else they show in the next checksums. To restore the world to another time is such a change: a game that
+/// rolls back writes its final steps with a [`Writer`].
 ///
 /// An error of the output ends the recording, not the game: [`Recorder::finish`] tells it.
 ///
@@ -43,8 +44,7 @@ pub struct Recorder<W> {
     taken: u64,
     /// Of them, those up to the last checksums.
     checked: Option<u64>,
-    /// A keyframe was asked for after commands of a step that was not taken yet.
-    is_asked: bool,
+    watches: bool,
     failed: Option<ReplayError>,
 }
 
@@ -59,7 +59,8 @@ impl<W: Write> Recorder<W> {
     {
         let writer = Writer::new(out, world, assets, options)?;
         let (checksums_every, keyframes_every) = (options.checksums_every, options.keyframes_every);
-        let last = (checksums_every > 0).then(|| world.checksum());
+        let is_checked = checksums_every > 0 || options.watches_commands;
+        let last = is_checked.then(|| world.checksum());
         Ok(Self {
             writer,
             checksums_every,
@@ -67,7 +68,7 @@ impl<W: Write> Recorder<W> {
             last,
             taken: 0,
             checked: None,
-            is_asked: false,
+            watches: options.watches_commands,
             failed: None,
         })
     }
@@ -85,6 +86,9 @@ impl<W: Write> Recorder<W> {
         if self.failed.is_none() {
             self.writer.command(command, outcome.is_err());
         }
+        if self.watches {
+            self.last = Some(world.checksum());
+        }
         outcome
     }
 
@@ -101,23 +105,20 @@ impl<W: Write> Recorder<W> {
         let (checks, keyframe) = (is_due(self.checksums_every), is_due(self.keyframes_every));
         if checks {
             self.last = Some(self.check(world));
+        } else if self.watches {
+            self.last = Some(world.checksum());
         }
-        if keyframe || std::mem::take(&mut self.is_asked) {
-            self.keyframe(world, if keyframe { Cause::Periodic } else { Cause::Asked });
+        if keyframe {
+            self.keyframe(world, Cause::Periodic);
         }
         report
     }
 
-    /// Writes the state as a keyframe: to be called where it may matter, as on a desync. After commands it is
-    /// written when the step is taken that they are for.
+    /// Writes the state as a keyframe: to be called where it may matter, as on a desync.
     pub fn keyframe_now<M>(&mut self, world: &World<M>)
     where
         M: AsRef<[Line]> + AsMut<[Line]>,
     {
-        if self.writer.has_commands() {
-            self.is_asked = true;
-            return;
-        }
         self.look(world);
         self.keyframe(world, Cause::Asked);
     }

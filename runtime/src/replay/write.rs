@@ -13,14 +13,17 @@ pub struct Options {
     pub checksums_every: u32,
     /// Steps from keyframe to keyframe; 0 for none but the first state. Each is a whole snapshot.
     pub keyframes_every: u32,
+    /// Whether to look for changes without a record after every command, too, and not only between steps: costs a
+    /// pass over the state for each command and each step. For finding who changes the world.
+    pub watches_commands: bool,
     /// Free text: where the recording comes from.
     pub note: String,
 }
 
 impl Default for Options {
-    /// Checksums every 10 steps, a keyframe every 600.
+    /// Checksums every 10 steps, a keyframe every 600; commands are not watched.
     fn default() -> Self {
-        Self { checksums_every: 10, keyframes_every: 600, note: String::new() }
+        Self { checksums_every: 10, keyframes_every: 600, watches_commands: false, note: String::new() }
     }
 }
 
@@ -62,6 +65,7 @@ impl<W: Write> Writer<W> {
             assets_hash: world.assets_hash(),
             checksums_every: options.checksums_every,
             keyframes_every: options.keyframes_every,
+            watches_commands: options.watches_commands,
             note: options.note.clone(),
         };
         writer.write(WORLD, &[&first.to_bytes()])?;
@@ -125,15 +129,15 @@ impl<W: Write> Writer<W> {
         self.count > 0
     }
 
-    /// Writes a snapshot of the state after the last step, taken by [`World::save`].
+    /// Writes a snapshot of the state after the last step and the commands since, taken by [`World::save`].
     ///
     /// # Errors
     /// [`ReplayError::World`] when these are no bytes of a snapshot, and [`ReplayError::Io`].
     pub fn keyframe(&mut self, snapshot: &[u8], cause: Cause) -> Result<(), ReplayError> {
         let mut sealed = snapshot.to_vec();
         World::<Vec<Line>>::seal(&mut sealed)?;
-        let step = self.step.to_le_bytes();
-        self.write(KEYFRAME, &[&[cause as u8], &step, &sealed])
+        let (step, count) = (self.step.to_le_bytes(), self.count.to_le_bytes());
+        self.write(KEYFRAME, &[&[cause as u8], &step, &count, &sealed])
     }
 
     pub(super) fn keyframe_of<M>(&mut self, world: &World<M>, cause: Cause) -> Result<(), ReplayError>
