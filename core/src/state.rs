@@ -35,8 +35,8 @@ pub use assets::Surface;
 pub(crate) use assets::{
     AssetTables, Assets, AssetsLayout, CompoundRow, HeightFieldRow, MeshRow, SurfaceRun,
 };
+pub(crate) use fields::fields;
 pub use fields::{Field, FieldKind};
-pub(crate) use fields::{fields, fields_of};
 
 /// Marks of all pools, settings and counters: the first section of the state.
 #[repr(C)]

@@ -148,11 +148,11 @@ fn a_flip_between_commands_is_named_where_commands_are_watched() {
         let options = Options { watches_commands: true, ..options(20, 20) };
         let mut recorder = Recorder::new(Vec::new(), &world, &AssetSet::new(), &options).expect("no assets");
         for step in 0..50 {
-            for i in 0..3 {
+            for (i, &body) in bodies.iter().take(3).enumerate() {
                 if is_flipped && step == flip.step && i == 2 {
                     flip.plant(&mut world);
                 }
-                recorder.apply(&mut world, &Command::ApplyForce(bodies[i], Vec3::X)).expect("it is dynamic");
+                recorder.apply(&mut world, &Command::ApplyForce(body, Vec3::X)).expect("it is dynamic");
             }
             recorder.step(&mut world, &mut Serial);
         }

@@ -9,7 +9,7 @@ use crate::joint::{AxisRow, JointRow};
 use crate::material::{MaterialRow, PairRule};
 use crate::shape::ShapeRow;
 use crate::state::{ContactRow, Pair};
-use core::mem::offset_of;
+use core::mem::{offset_of, size_of};
 
 /// How the bytes of a number are read; little-endian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +51,22 @@ pub struct Field {
 }
 
 impl Field {
+    /// The field of a section that has a byte, counted from the start of a row; sections are those of
+    /// [`World::checksum_by_section`](crate::World::checksum_by_section). `None` beyond the row and for other
+    /// names. The six axes of a joint are one row: a field of the third axis has its offset there.
+    pub fn at(section: &str, byte: usize) -> Option<Self> {
+        let is_axes = section == "joint_axes";
+        if is_axes && byte >= 6 * size_of::<AxisRow>() {
+            return None;
+        }
+        let within = if is_axes { byte % size_of::<AxisRow>() } else { byte };
+        fields_of(section).into_iter().find_map(|(fields, start)| {
+            let own = within.checked_sub(start)?;
+            let field = fields.iter().find(|field| field.offset <= own && own < field.end())?;
+            Some(Field { offset: byte - within + start + field.offset, ..*field })
+        })
+    }
+
     /// Where the field ends, bytes from the start of the row.
     pub const fn end(&self) -> usize {
         self.offset + self.count * self.kind.size()
@@ -231,7 +247,7 @@ const DIRT: &[Field] = &[plain("dirt", FieldKind::U8)];
 const FIRST_JOINT: &[Field] = &[plain("first_joint", FieldKind::U32)];
 
 /// The fields of a section's rows and where in the row they start; what starts elsewhere comes second.
-pub(crate) fn fields_of(section: &str) -> [(&'static [Field], usize); 2] {
+fn fields_of(section: &str) -> [(&'static [Field], usize); 2] {
     let none: (&'static [Field], usize) = (&[], 0);
     let fields = match section {
         "header" => return [(HEADER, 0), (SettingsRow::FIELDS, SETTINGS)],

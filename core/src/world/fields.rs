@@ -1,32 +1,12 @@
-//! What a byte of the state is, and whose: for telling people where two states differ.
+//! Whose a row of the state is: for telling people where two states differ.
 
 use super::World;
 use crate::arena::Line;
 use crate::handle::BodyHandle;
-use crate::joint::AxisRow;
 use crate::pool;
-use crate::state::{ContactRow, Field, Pair, fields_of};
-use core::mem::size_of;
+use crate::state::{ContactRow, Pair};
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
-    /// The field of a section that has a byte, counted from the start of a row; sections are those of
-    /// [`World::checksum_by_section`]. The field's offset is from the start of the row, too. `None` beyond the row
-    /// and for other names.
-    ///
-    /// The six axes of a joint are one row: a field of the third axis has its offset there.
-    pub fn field_at(section: &str, byte: usize) -> Option<Field> {
-        let cycle = if section == "joint_axes" { size_of::<AxisRow>() } else { usize::MAX };
-        let (within, before) = (byte % cycle, byte - byte % cycle);
-        if section == "joint_axes" && byte >= 6 * cycle {
-            return None;
-        }
-        fields_of(section).into_iter().find_map(|(fields, start)| {
-            let own = within.checked_sub(start)?;
-            let field = fields.iter().find(|field| field.offset <= own && own < field.end())?;
-            Some(Field { offset: before + start + field.offset, ..*field })
-        })
-    }
-
     /// The bodies that a row of a section is about, as the world is now: none, one, or the two of a pair, a contact
     /// or a joint.
     pub fn bodies_of_row(&self, section: &str, row: usize) -> [Option<BodyHandle>; 2] {
@@ -57,7 +37,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::state::Field;
     use crate::world::Capacities;
 
     #[test]
@@ -68,13 +48,13 @@ mod tests {
         for section in super::super::snapshot::sections_of(&layout.state, &capacities, &header) {
             let mut byte = 0;
             while byte < section.size {
-                let field = World::<[Line; 0]>::field_at(section.name, byte);
+                let field = Field::at(section.name, byte);
                 let field = field.unwrap_or_else(|| panic!("{}, byte {byte}", section.name));
                 assert_eq!(field.offset, byte, "{}: {field:?}", section.name);
                 byte = field.end();
             }
             assert_eq!(byte, section.size, "{}", section.name);
-            assert_eq!(World::<[Line; 0]>::field_at(section.name, byte), None, "{}", section.name);
+            assert_eq!(Field::at(section.name, byte), None, "{}", section.name);
         }
     }
 }

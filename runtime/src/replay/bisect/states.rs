@@ -1,7 +1,7 @@
 //! Two states side by side: the first number that differs.
 
 use crate::Memory;
-use cellstep_core::{BodyHandle, FieldKind, World};
+use cellstep_core::{BodyHandle, Field, FieldKind, World};
 use std::fmt;
 
 /// Sections of a state with their names.
@@ -118,7 +118,7 @@ pub(super) fn first_difference(world: &World<Memory>, a: &Sections, b: &Sections
         let size = row_bytes(world, name);
         let at = x.iter().zip(&y).position(|(x, y)| x != y).unwrap_or(x.len().min(y.len()));
         let (row, byte) = (at / size, at % size);
-        let field = World::<Memory>::field_at(name, byte)?;
+        let field = Field::at(name, byte)?;
         let component = (byte - field.offset) / field.kind.size();
         let start = row * size + field.offset + component * field.kind.size();
         let value = |bytes: &[u8]| {
