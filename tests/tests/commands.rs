@@ -24,7 +24,7 @@ fn core(path: &str) -> PathBuf {
 }
 
 /// Calls on a world that are no commands, and why.
-const OTHERS: [(&str, &str); 15] = [
+const OTHERS: [(&str, &str); 13] = [
     ("add_hull", "assets are registered before the first step"),
     ("add_mesh", "assets are registered before the first step"),
     ("add_mesh_with_surfaces", "assets are registered before the first step"),
@@ -38,8 +38,6 @@ const OTHERS: [(&str, &str); 15] = [
     ("queries", "changes no bit of the state"),
     ("restore", "goes to another time as a whole"),
     ("load", "goes to another time as a whole"),
-    ("restore_delta", "goes to another time as a whole"),
-    ("apply_delta", "goes to another time as a whole"),
 ];
 
 /// Names of the public methods of `World` that change it.
@@ -55,11 +53,15 @@ fn changing_methods() -> BTreeSet<String> {
     let mut methods = BTreeSet::new();
     for file in files {
         let text = std::fs::read_to_string(file).expect("sources are text");
-        for part in text.split("\n    pub fn ").skip(1) {
-            let end = part.find(" {\n").expect("a function has a body");
-            let open = part.find(['(', '<']).expect("a function has arguments");
-            if part[..end].contains("&mut self") {
-                methods.insert(part[..open].to_string());
+        // Other types have methods of the same names.
+        for block in text.split("\nimpl").filter(|block| block.contains("> World<M> {\n")) {
+            let block = &block[..block.find("\n}\n").unwrap_or(block.len())];
+            for part in block.split("\n    pub fn ").skip(1) {
+                let end = part.find(" {\n").expect("a function has a body");
+                let open = part.find(['(', '<']).expect("a function has arguments");
+                if part[..end].contains("&mut self") {
+                    methods.insert(part[..open].to_string());
+                }
             }
         }
     }
