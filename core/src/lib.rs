@@ -55,6 +55,6 @@ pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
 pub use state::Surface;
 pub use world::{
-    Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotSection, World,
-    WorldManifold,
+    Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotRing,
+    SnapshotSection, World, WorldManifold,
 };

@@ -13,6 +13,7 @@ mod joints;
 mod load;
 mod materials;
 mod queries;
+mod ring;
 mod shapes;
 mod sleep;
 mod snapshot;
@@ -33,6 +34,7 @@ use bytemuck::Zeroable;
 pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
 pub use height_fields::HeightFieldDef;
+pub use ring::SnapshotRing;
 pub use snapshot::{SnapshotHeader, SnapshotSection};
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.

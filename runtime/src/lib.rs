@@ -66,3 +66,19 @@ pub fn new_world(capacities: Capacities) -> Result<World<Memory>, Error> {
     let needed = capacities.lines();
     World::new(Memory::zeroed(needed).ok_or(Error::MemoryTooSmall { needed, given: 0 })?, capacities)
 }
+
+/// Makes a ring of `depth` snapshots on memory from the heap. Saving allocates nothing, and room that no snapshot
+/// fills costs nothing, see [`Memory`].
+///
+/// # Errors
+/// Those of [`SnapshotRing::new`]; [`Error::MemoryTooSmall`] with nothing given when the system has not so much
+/// memory.
+pub fn new_ring(capacities: &Capacities, depth: usize) -> Result<SnapshotRing<Memory>, Error> {
+    capacities.check()?;
+    let needed = SnapshotRing::<Memory>::lines(capacities, depth);
+    SnapshotRing::new(
+        Memory::zeroed(needed).ok_or(Error::MemoryTooSmall { needed, given: 0 })?,
+        capacities,
+        depth,
+    )
+}
