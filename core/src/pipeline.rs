@@ -8,6 +8,7 @@
 pub(crate) mod approach;
 pub(crate) mod articulations;
 pub(crate) mod assembly;
+pub(crate) mod balls;
 pub(crate) mod broadphase;
 pub(crate) mod contacts;
 pub(crate) mod continuous;
@@ -126,6 +127,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
         points: scratch.point_rows,
         resists: scratch.resist_rows,
         joints: JointRows {
+            balls: scratch.ball_rows,
             links: scratch.joint_links,
             locks: scratch.lock_rows,
             bounds: scratch.bound_rows,

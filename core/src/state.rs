@@ -13,11 +13,12 @@ pub(crate) use crate::collide::hull::HullRow;
 use crate::collide::tree;
 use crate::config::SettingsRow;
 use crate::constraint::joint::{
-    BlockRow, BlockSpec, BoundRow, JointLink, LockRow, Member, NodeRow, NodeSpec, blocks_max, nodes_max,
+    BallRow, BlockRow, BlockSpec, BoundRow, JointLink, LockRow, Member, NodeRow, NodeSpec, blocks_max,
+    nodes_max,
 };
 use crate::constraint::row::{LinkRow, PointRow, ResistRow};
 use crate::event::{BodyNews, EventRow, Tenant, Visit};
-use crate::joint::JointRow;
+use crate::joint::{AxisRow, JointRow};
 use crate::lanes::Words;
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Aabb, Rotation, Vec3};
@@ -212,6 +213,7 @@ region! {
         /// Changes of the ordering near each body.
         dirt: u8 = c.bodies as usize,
         joints: JointRow = c.joints as usize,
+        joint_axes: [AxisRow; 6] = c.joints as usize,
         joint_generations: u32 = c.joints as usize,
         joint_used: u64 = words(c.joints as usize),
         /// The first joint of each body: its slot plus 1, or 0. Of no length without joints.
@@ -510,6 +512,7 @@ region! {
         order: u32 = links_max(c),
         blocks: Block = links_max(c),
         ordering: u32 = cells::upkeep_scratch_words(c.bodies as usize, links_max(c)),
+        ball_rows: BallRow = c.joints as usize,
         joint_links: JointLink = c.joints as usize,
         lock_rows: LockRow = 6 * c.joints as usize,
         bound_rows: BoundRow = JOINT_BOUNDS * c.joints as usize,
@@ -517,8 +520,8 @@ region! {
         node_rows: NodeRow = nodes_max(c.joints as usize),
         block_rows: BlockRow = blocks_max(c.joints as usize),
         joint_keys: u64 = c.joints as usize,
-        /// First lock and first bound of each row of joints.
-        joint_firsts: [u32; 2] = c.joints as usize,
+        /// Where each row of joints is, and its first lock and bound; `EMPTY` for those of plain balls.
+        joint_firsts: [u32; 3] = c.joints as usize,
         link_rows: LinkRow = c.contacts as usize,
         /// Resistance of each row of links that has some.
         resist_rows: ResistRow = if c.materials == 0 { 0 } else { c.contacts as usize },

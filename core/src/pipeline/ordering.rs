@@ -6,11 +6,12 @@
 use crate::cells::{self, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDERED, Upkeep};
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
+use crate::joint::Signature;
 use crate::joint::{BROKEN, JointRow};
-use crate::pipeline::articulations;
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
+use crate::pipeline::{articulations, balls};
 use crate::state::{
     Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
 };
@@ -296,7 +297,10 @@ fn write_joints(
     for (rank, &slot) in scratch.held_slots[..held].iter().enumerate() {
         let place = cache.joint_order[rank] as usize;
         scratch.joint_slots[place] = slot;
-        let Link { a, b, kind } = scratch.held_links[rank];
+        let link = scratch.held_links[rank];
+        let is_plain = place < loose && balls::is_plain(state, &state.joints[slot as usize], &link);
+        let Link { a, b, kind } =
+            Link { kind: if is_plain { Signature::PLAIN.0 } else { link.kind }, ..link };
         let (a, b) = if a == IMMOVABLE { (b, a) } else { (a, b) };
         let active = |body: u32| active_of.get(body as usize).copied().unwrap_or(IMMOVABLE);
         let i = contacts + place;

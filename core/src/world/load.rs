@@ -13,7 +13,7 @@ use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
 use crate::event::{BodyNews, EventRow, Tenant, Visit};
-use crate::joint::JointRow;
+use crate::joint::{AxisRow, JointRow};
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::meeting;
@@ -67,6 +67,7 @@ struct Parts<'a> {
     asleep_contacts: Rows<'a, ContactRow>,
     dirt: Rows<'a, u8>,
     joints: Rows<'a, JointRow>,
+    joint_axes: Rows<'a, [AxisRow; 6]>,
     joint_generations: Rows<'a, u32>,
     joint_used: Rows<'a, u64>,
     first_joints: Rows<'a, u32>,
@@ -124,6 +125,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             _,
             dirt,
             joints,
+            joint_axes,
             joint_generations,
             joint_used,
             first_joints,
@@ -149,6 +151,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             asleep_contacts: Rows::new(asleep_contacts),
             dirt: Rows::new(dirt),
             joints: Rows::new(joints),
+            joint_axes: Rows::new(joint_axes),
             joint_generations: Rows::new(joint_generations),
             joint_used: Rows::new(joint_used),
             first_joints: Rows::new(first_joints),

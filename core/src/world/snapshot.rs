@@ -44,7 +44,7 @@ impl Section {
 }
 
 /// How many sections the state has.
-pub(super) const SECTIONS: usize = 24;
+pub(super) const SECTIONS: usize = 25;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
@@ -73,6 +73,7 @@ fn sections_of(s: &StateLayout, capacities: &Capacities, header: &Header) -> [Se
         section!(ordering, crate::cells::OrderingRow, 1),
         section!(dirt, u8, bodies),
         section!(joints, crate::joint::JointRow, joints),
+        section!(joint_axes, [crate::joint::AxisRow; 6], joints),
         section!(joint_generations, u32, joints),
         section!(joint_used, u64, words(joints)),
         section!(first_joints, u32, if capacities.joints == 0 { 0 } else { bodies }),
