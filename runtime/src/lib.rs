@@ -30,12 +30,15 @@
 //! # Features
 //!
 //! - `scene`: `scene` documents in JSON, meshes from OBJ files, built-in scenes; `mjcf`: models in MuJoCo's format.
+//! - `delta`: `delta`, what turns one snapshot into another, compressed.
 //! - `cli`: the command `cellstep`; implies `scene`.
 //!
 //! No feature changes any result.
 
 #![deny(unsafe_code)]
 
+#[cfg(feature = "delta")]
+pub mod delta;
 mod epoch;
 pub mod float_mode;
 #[allow(unsafe_code)]

@@ -107,7 +107,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn snapshot_sections(
         &self,
         snapshot: &[u8],
-    ) -> Result<impl Iterator<Item = SnapshotSection> + use<M>, Error> {
+    ) -> Result<impl Iterator<Item = SnapshotSection> + use<M>, SnapshotError> {
         let sections = self.sections_for(&self.check_header(snapshot)?);
         let mut start = SnapshotHeader::BYTES;
         Ok(sections.into_iter().map(move |section| {

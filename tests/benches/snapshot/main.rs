@@ -2,8 +2,8 @@
 //!
 //! `cargo bench -p cellstep-tests --features peers --bench snapshot`
 //!
-//! The pyramid of 5,050 boxes, sleep off, after [`SETTLED`] steps. Beside it a plain copy of as many bytes and, with
-//! `--features peers`, `rapier3d` with the same boxes, saved and restored by `serde` and `bincode` (fixed-size
+//! The pyramid of 5,050 boxes, sleep off, after [`SETTLED`] steps. Beside it a plain copy of as many bytes and,
+//! with `--features peers`, `rapier3d` with the same boxes, saved and restored by `serde` and `bincode` (fixed-size
 //! integers, into a buffer that is there). All take turns, [`TURNS`] of them; a number is compared with those
 //! of the same turn, and the medians of the ratios are told beside what is promised.
 

@@ -72,6 +72,15 @@ impl SnapshotHeader {
         })
     }
 
+    /// XXH64 of everything after the header of a snapshot: what [`World::seal`] writes into it.
+    ///
+    /// # Errors
+    /// Those of [`SnapshotHeader::read`].
+    pub fn content_hash_of(snapshot: &[u8]) -> Result<u64, SnapshotError> {
+        Self::read(snapshot)?;
+        Ok(hash(&snapshot[Self::BYTES..], 0))
+    }
+
     pub(in super::super) fn to_bytes(self) -> [u8; Self::BYTES] {
         bytemuck::cast(HeaderRow {
             magic: MAGIC,
