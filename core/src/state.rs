@@ -382,6 +382,11 @@ impl Touch {
     /// A surface moves, or resists rolling or spinning.
     pub const ACTS: f32 = -2.0;
 
+    /// True for what is neither settled nor fast, and has surfaces that do nothing.
+    pub fn is_plain(&self) -> bool {
+        self.settled.to_bits() == 0
+    }
+
     /// True for [`Touch::FAST`], whatever the surfaces do.
     pub fn is_fast(&self) -> bool {
         self.settled == Self::FAST || self.settled == Self::FAST + Self::ACTS

@@ -62,23 +62,29 @@ pub(crate) struct Race<'a> {
 }
 
 impl Race<'_> {
-    /// False for a body that is not fast whatever its shapes are. `way` is the motion of its center, metres.
+    /// True when some point of a body's shape moved by more than a share of the shape's thickness. `way` is the
+    /// motion of its center, metres.
     #[inline(always)]
-    pub fn may_be_fast(&self, way: Vec3, motion: &Motion) -> bool {
+    pub fn is_fast(&self, way: Vec3, (motion, row): (&Motion, &BodyRow)) -> bool {
         let turn = motion.angular * self.settings.dt;
-        (way.dot(way) > WAY_FLOOR * WAY_FLOOR || turn.dot(turn) > TURN_FLOOR * TURN_FLOOR)
+        let (way, turn) = (way.dot(way), turn.dot(turn));
+        // Most bodies are not, whatever their shapes are.
+        (way > WAY_FLOOR * WAY_FLOOR || turn > TURN_FLOOR * TURN_FLOOR)
             && self.settings.continuous
+            && row.is_dynamic()
+            && self.outruns((sqrt(way), crate::math::length(motion.angular) * self.settings.dt), row)
     }
 
-    /// True when some point of a body's shape moved by more than a share of the shape's thickness.
-    pub fn is_fast(&self, way: Vec3, (motion, row): (&Motion, &BodyRow)) -> bool {
-        if !self.may_be_fast(way, motion) || !row.is_dynamic() {
-            return false;
-        }
-        let (way, turn) = (crate::math::length(way), crate::math::length(motion.angular) * self.settings.dt);
+    /// The same of a body that moved by a way, metres, and turned, radians.
+    #[inline(always)]
+    fn outruns(&self, (way, turn): (f32, f32), row: &BodyRow) -> bool {
         let mut next = row.first_shape;
         while let Some(shape) = self.shapes.get(next as usize) {
-            let (inner, outer) = (inner_radius(shape, self.assets), outer_radius(shape, self.assets));
+            let (inner, outer) = if shape.kind == GEOMETRY_SPHERE {
+                (shape.size[0], shape.size[0])
+            } else {
+                (inner_radius(shape, self.assets), outer_radius(shape, self.assets))
+            };
             let arm = crate::math::length(shape.pose.position - row.local_center);
             if way + turn * (arm + outer) > FAST_SHARE * inner {
                 return true;
