@@ -245,13 +245,11 @@ impl Sides {
             stored[lane] = words::<_, 2>(row)[1];
             stances_a[lane] = frames_a[lane];
             stances_b[lane] = frames_b[lane];
-            if touch.is_plain() {
-                // Nothing of what follows.
-            } else if touch.settled == Touch::SETTLED {
+            if touch.settled == Touch::SETTLED {
                 settles = true;
                 stances_a[lane] = scene.stances[touch.shapes[0] as usize];
                 stances_b[lane] = scene.stances[touch.shapes[1] as usize];
-            } else {
+            } else if !touch.is_plain() {
                 hurries |= touch.is_fast();
                 if touch.settled < 0.0 {
                     acts = true;
