@@ -35,6 +35,13 @@ use glam::DVec3;
 const STEPS_MAX: usize = 96;
 /// Skins, as shares of the inner radius, that are taken off one after the other.
 const SKINS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
+/// Finer ones come before them if the first shortens the ends of a shape by more than this, metres: those of a
+/// slender cone or hull are thinner than the rest.
+const ENDS_MAX: f64 = 0.005;
+/// How thick the finer ones are, as multiples of the finest.
+const FINER: [f64; 3] = [1.0, 3.0, 9.0];
+/// How many skins there are of a shape.
+const LAYERS: usize = FINER.len() + SKINS.len();
 /// Gap at an impact as a share of the inner radius.
 const GAP_SHARE: f64 = 0.05;
 /// Least and greatest gap at an impact, metres: positions are resolved to 4 micrometres, and contacts are found
@@ -106,7 +113,8 @@ struct Mover<'a> {
     local: Frame,
     /// Without a twist that the shape does not show.
     course: Course,
-    thinner: [Core<'a>; SKINS.len()],
+    skins: [f64; LAYERS],
+    thinner: [Core<'a>; LAYERS],
     /// Greatest distance of a point of the core from the axis of the swing, metres.
     lever: f64,
     /// And of a point of the shape from the body's center.
@@ -123,6 +131,7 @@ impl<'a> Mover<'a> {
         let most = |low: f64, high: f64| greater(-low, high);
         let corner = DVec3::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z));
         let gap = lesser(greater(GAP_SHARE * core.inner_radius(), GAP_MIN), GAP_MAX);
+        let skins = skins(&core);
         let mut course = *rider.course;
         let reach = length(corner);
         let mut twist = 0.0;
@@ -146,7 +155,8 @@ impl<'a> Mover<'a> {
             core,
             local: rider.local,
             course,
-            thinner: SKINS.map(|share| core.eroded(share)),
+            skins,
+            thinner: skins.map(|share| core.eroded(share)),
             // A twist brings other points across the axis of the swing.
             lever: if twist == 0.0 { lever(rider, course.swing.axis) } else { reach },
             reach,
@@ -281,7 +291,7 @@ impl<'a> Mover<'a> {
     /// The end, if the body's last place is no end of its course, and in the wall where its first place was not.
     fn ends_inside(&self, wall: (&Wall<'_>, &Rider<'_, ()>)) -> Option<Impact> {
         let end = self.course.end?;
-        let thinner = if self.course.held { &self.thinner[SKINS.len() - 1] } else { &self.thinner[0] };
+        let thinner = if self.course.held { &self.thinner[LAYERS - 1] } else { &self.thinner[0] };
         let last = Self { course: Course::still(end), ..*self };
         let found = last.gap(thinner, wall, 1.0);
         let enters = found.distance <= 0.0 && self.gap(thinner, wall, 0.0).distance > 0.0;
@@ -311,7 +321,10 @@ impl<'a> Mover<'a> {
                 }
             }
             Outcome::Touches => {
-                for core in &self.thinner {
+                for (i, core) in self.thinner.iter().enumerate() {
+                    if i > 0 && self.skins[i] == self.skins[i - 1] {
+                        continue;
+                    }
                     match self.advance(core, wall, (from, limit)) {
                         Outcome::Touches => {}
                         Outcome::Clear => return None,
@@ -411,6 +424,15 @@ impl First {
     pub fn reach(&self, course: &Course, length: f64) -> f64 {
         if self.limit < 1.0 { course.share(self.limit) * length } else { f64::MAX }
     }
+}
+
+/// The skins that are taken off a shape, as shares of its inner radius; some twice.
+fn skins(core: &Core<'_>) -> [f64; LAYERS] {
+    let ends = core.ends();
+    let finest = if SKINS[0] * ends > ENDS_MAX { ENDS_MAX / ends } else { SKINS[0] };
+    let [a, b, c] = FINER.map(|times| lesser(times * finest, SKINS[0]));
+    let [d, e, f, g] = SKINS;
+    [a, b, c, d, e, f, g]
 }
 
 /// The greatest distance of a point of a shape's core from an axis through its body's center, at the start,

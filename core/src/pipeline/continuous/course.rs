@@ -48,11 +48,17 @@ pub(super) fn turned(rotation: Rotation, course: &Course, time: f64) -> Rotation
 }
 
 /// An angular velocity in the view of the body's odd axis when a body that stands in one orientation is put in
-/// another.
+/// another. Of a body with three moments that turns about the other axes too: slower, if it had more energy.
 pub(super) fn turned_along(angular: Vec3, row: &BodyRow, (from, to): (Rotation, Rotation)) -> Vec3 {
     let Some((axis, _)) = odd_axis(row) else { return angular };
     let (before, after) = (Quaternion::of(from).rotate(axis), Quaternion::of(to).rotate(axis));
-    narrowed(Quaternion::about(swing_between(before, after)).rotate(widened(angular)))
+    let turned = Quaternion::about(swing_between(before, after)).rotate(widened(angular));
+    let energy = |angular: DVec3, rotation: Rotation| {
+        let local = Quaternion::of(rotation.after(row.axes)).inverse().rotate(angular);
+        (local * local).dot(widened(row.inertia))
+    };
+    let (before, after) = (energy(widened(angular), from), energy(turned, to));
+    narrowed(if after > before { turned * libm::sqrt(before / after) } else { turned })
 }
 
 /// The axis of the moment of inertia that stands out, in the body's frame, and its moment over the mean of the
