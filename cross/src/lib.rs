@@ -1,16 +1,20 @@
 //! The core's bits on other machines: scenes that use every part of it, and numbers to compare.
 //!
 //! `.ci/cross` builds this for several architectures, runs it there, and compares every line that is printed
-//! with the one of this machine. There are three kinds of lines: the lane type operation by operation, the
-//! functions of `math.rs`, and scenes after some steps. A lane or math line that differs names the cause; a scene
-//! that differs is bisected by its `trace`.
+//! with the one of this machine. There are four kinds of lines: the lane type operation by operation, the
+//! functions of `math.rs`, scenes that need the core alone, and the built-in scenes, whose documents need the standard
+//! library, after some steps. A lane or math line that differs names the cause; a scene of the core that differs is
+//! bisected by its `trace`.
 #![no_std]
 #![forbid(unsafe_code)]
 
 extern crate alloc;
+// For the built-in scenes alone.
+extern crate std;
 
 pub mod scenes;
 
+mod builtin;
 mod hash;
 mod lane_probes;
 mod math_probes;
@@ -38,14 +42,17 @@ struct Probe {
     value: fn() -> u64,
 }
 
-/// The line that is compared: of the probe or, after the last probe, of the scene with this index; `None` after the
-/// last scene.
+/// The line that is compared: of the probe or, after the last probe, of the scene with this index, those of the core
+/// first; `None` after the last scene.
 pub fn line(index: usize, steps: u32) -> Option<String> {
     let mut probes = lane_probes::ALL.iter().chain(&math_probes::ALL);
     if let Some(probe) = probes.nth(index) {
         return Some(format!("{} {:016x}", probe.name, (probe.value)()));
     }
-    let scene = scenes::ALL.get(index - lane_probes::ALL.len() - math_probes::ALL.len())?;
+    let index = index - lane_probes::ALL.len() - math_probes::ALL.len();
+    let Some(scene) = scenes::ALL.get(index) else {
+        return builtin::line(index - scenes::ALL.len(), steps);
+    };
     let out = run(&mut vec![Line::ZERO; lines(scene)], scene, steps);
     let (sum, snapshot) = (out.checksum, out.snapshot);
     Some(format!(

@@ -186,3 +186,25 @@ fn a_closed_pipe_is_no_error() {
         assert_eq!(errors, "", "{args:?}");
     }
 }
+
+#[test]
+fn the_doctor_finds_the_bits_of_the_release() {
+    let output = cellstep(&["doctor", "--json", "--workers", "3"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+    let found: serde_json::Value = serde_json::from_str(text(&output.stdout)).unwrap();
+    assert_eq!(
+        (&found["matches"], &found["workers"], &found["steps"]),
+        (&true.into(), &3.into(), &300.into())
+    );
+    assert_eq!(found["architecture"], std::env::consts::ARCH);
+    assert_eq!(found["float_mode"]["rounds_to_nearest"], true);
+    let scenes = found["scenes"].as_array().unwrap();
+    assert_eq!(scenes.len(), BUILTIN.len());
+    for (scene, builtin) in scenes.iter().zip(BUILTIN) {
+        let golden = format!("{:016x}", builtin.golden_checksum().unwrap());
+        assert_eq!((&scene["scene"], &scene["size"]), (&builtin.name.into(), &builtin.golden_size.into()));
+        for key in ["golden", "serial", "pool"] {
+            assert_eq!(scene[key], golden.as_str(), "{scene}");
+        }
+    }
+}

@@ -1,9 +1,10 @@
 //! The same bits for any executor, any number of workers and any build: checksums of the built-in scenes.
 //!
-//! `golden/checksums.txt` holds the checksum of each scene in its golden size after 300 steps. `UPDATE=1 cargo test
-//! --test invariance` writes it anew: a change of any of them is a change of behaviour, to be named in the commit.
+//! `checksums.txt` beside the built-in scenes holds the checksum of each in its golden size after 300 steps; it is
+//! part of the release (`cellstep doctor`). `UPDATE=1 cargo test --test invariance` writes it anew: a change of any of
+//! them is a change of behaviour, to be named in the commit.
 
-use cellstep::scene::builtin::{BUILTIN, Builtin};
+use cellstep::scene::builtin::{BUILTIN, Builtin, GOLDEN_STEPS};
 use cellstep::{Executor, Pool, Serial};
 use cellstep_tests::executors::Shuffled;
 use cellstep_tests::simulator;
@@ -12,7 +13,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-const STEPS: u32 = 300;
+const STEPS: u32 = GOLDEN_STEPS;
 /// The scenes that every executor steps; the others stand in the golden file only.
 const SCENES: [&str; 6] = ["stacked_pyramid", "wall", "mixed_pile", "bowls", "hub", "level"];
 
@@ -50,17 +51,17 @@ fn serial_of_six() -> impl Iterator<Item = (&'static Builtin, &'static [u64])> {
 
 #[test]
 fn golden_checksums() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/checksums.txt");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../runtime/src/scene/builtin/checksums.txt");
     let mut found = String::new();
     for (builtin, sums) in serial() {
         let sum = sums.last().expect("ten sums");
         writeln!(found, "{} {} {sum:016x}", builtin.name, builtin.golden_size).expect("strings grow");
     }
     if std::env::var_os("UPDATE").is_some_and(|value| value == "1") {
-        std::fs::write(&path, &found).expect("golden/ can be written");
+        std::fs::write(&path, &found).expect("the table can be written");
         return;
     }
-    let golden = std::fs::read_to_string(&path).expect("golden/checksums.txt can be read");
+    let golden = std::fs::read_to_string(&path).expect("the table can be read");
     assert_eq!(found, golden, "checksums changed; if that is meant, run again with UPDATE=1 and say why");
 }
 

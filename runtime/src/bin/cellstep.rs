@@ -1,4 +1,5 @@
-//! The command `cellstep`: runs scenes, lists and prints the built-in ones, imports models, verifies replays.
+//! The command `cellstep`: runs scenes, lists and prints the built-in ones, imports models, verifies replays,
+//! and compares this machine with the release.
 //!
 //! Standard output has the answer and nothing else; the progress bar, notes and errors go to standard error.
 //! A reader that closes the pipe early gets what it wanted: that is no error.
@@ -7,6 +8,8 @@
 mod args;
 #[path = "../cli/bisect.rs"]
 mod bisect;
+#[path = "../cli/doctor.rs"]
+mod doctor;
 #[path = "../cli/import.rs"]
 mod import;
 #[path = "../cli/inspect.rs"]
@@ -28,7 +31,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-/// One replay diverged; or standard output could not be written.
+/// One replay diverged, or this machine has other bits; or standard output could not be written.
 const DIVERGED: u8 = 1;
 /// Wrong usage, or a wrong scene; clap uses the same number.
 const WRONG: u8 = 2;
@@ -85,6 +88,7 @@ fn answer(command: &Command, out: &mut impl Write) -> Result<u8, Failure> {
         Command::Verify(args) if args.merge => merge::merge(args, out),
         Command::Verify(args) => verify::verify(args, out),
         Command::Bisect(args) => bisect::bisect(args, out),
+        Command::Doctor(args) => doctor::doctor(args, out),
         Command::Inspect(args) => say(out, &inspect::inspect(args)?, 0),
     }
 }

@@ -4,12 +4,14 @@
 //! gives the same document, bit for bit: what looks random comes from a small generator with a fixed seed, in
 //! steps of 1/1024 m. All scenes are in SI units with z up; the material is the default one (friction 0.6).
 
+mod golden;
 mod jointed;
 mod level;
 mod parts;
 mod piles;
 mod stacks;
 
+pub use golden::GOLDEN_STEPS;
 pub use jointed::{bridge, cars, ragdolls};
 pub use level::level;
 pub use piles::{bowls, free_fall, hub, mixed_pile};
