@@ -263,7 +263,8 @@ impl Any<'_> {
     }
 
     fn settings(&mut self) -> Settings {
-        let model = if self.flag() { ContactModel::Soft } else { ContactModel::Rigid };
+        let models = [ContactModel::Soft, ContactModel::Rigid, ContactModel::Split];
+        let model = models[self.0.below(3) as usize];
         Settings {
             dt: self.0.between(0.0, 0.02),
             gravity: self.vector(),

@@ -6,7 +6,7 @@
 //! ```
 //! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind.
 
-use crate::config::Settings;
+use crate::config::{ContactModel, Settings};
 use crate::constraint::contact::{self, Pass, Sweep};
 use crate::constraint::joint::{self, BallRow, BlockRow, BoundRow, JointLink, LockRow, NodeRow};
 use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
@@ -120,13 +120,15 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
 /// Solves and integrates the step.
 pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
     let substep = settings.substep();
-    let nudges = rows.plan.joints > 0;
+    let splits = settings.contact_model == ContactModel::Split;
+    let nudges = rows.plan.joints > 0 || splits;
     let sweep = |pass, visits| Sweep {
         pass,
         visits,
         substep,
         bias: bias(settings),
         nudges,
+        splits,
         relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
         restitution_threshold: settings.restitution_threshold,
     };
