@@ -59,6 +59,6 @@ pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
 pub use state::{Field, FieldKind, Surface};
 pub use world::{
-    Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotSection, World,
-    WorldManifold, xxh64,
+    Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotRing,
+    SnapshotSection, World, WorldManifold, xxh64,
 };

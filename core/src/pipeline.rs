@@ -97,6 +97,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     }
     // Bodies move: the trees' boxes are no longer around the shapes.
     cache.header[0].queried = 0;
+    contacts::place_memos(state, cache);
     let header = &state.header[0];
     let links = header.contacts + header.joints.count;
     let is_alone = links < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;

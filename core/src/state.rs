@@ -24,6 +24,7 @@ use crate::lanes::Words;
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Aabb, Rotation, Vec3};
 use crate::pipeline::articulations::ArticulationRow;
+use crate::pipeline::continuous::Stop;
 use crate::pipeline::layout::{Group, Plan, links_max, mover_rows_max, seats_max};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::Seat;
@@ -237,6 +238,19 @@ region! {
     }
 }
 
+/// The memo of each contact is in its place.
+pub(crate) const MEMOS_FIT: u32 = 1;
+/// After a restore: where the memo of each settled contact is stands in `memo_sources`.
+pub(crate) const MEMOS_LISTED: u32 = 2;
+/// Memos are in their places, but for those that are marked as unknown.
+pub(crate) const MEMOS_MARKED: u32 = 3;
+/// In `memo_sources`: the memo must be found again.
+pub(crate) const NO_MEMO: u32 = u32::MAX;
+/// The ordering is that of the contacts in the state.
+pub(crate) const ORDERING_FITS: u32 = 1;
+/// After a restore: the ordering, and the layout with it, are of a state before. The next step compares.
+pub(crate) const ORDERING_UNCHECKED: u32 = 2;
+
 /// What the trees of the broadphase were built from.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -245,7 +259,8 @@ pub(crate) struct CacheHeader {
     pub static_stamp: u64,
     /// 1 when the tree of moving shapes fits the fat boxes in the state.
     pub moving_fits: u32,
-    /// 1 when the memos are those of the contacts in the state.
+    /// Whether the memos are those of the contacts in the state: 0, [`MEMOS_FIT`], or [`MEMOS_LISTED`], or
+    /// [`MEMOS_MARKED`] within a step.
     pub memos_fit: u32,
     /// Which half of the memos is in use: 0 or 1.
     pub memo_half: u32,
@@ -255,7 +270,7 @@ pub(crate) struct CacheHeader {
     pub laid_out_bodies: u32,
     pub static_leaves: u32,
     pub moving_leaves: u32,
-    /// 1 when `ordering` is that of the contacts in the state.
+    /// Whether `ordering` is that of the contacts in the state: 0, [`ORDERING_FITS`] or [`ORDERING_UNCHECKED`].
     pub ordering_fits: u32,
     /// Sector in which both trees count their coordinates.
     pub sector: [i32; 3],
@@ -285,6 +300,8 @@ region! {
         moving_order: u32 = c.shapes as usize,
         /// Of the contacts, in two halves of which one is in use.
         memos: Memo = 2 * c.contacts as usize,
+        /// After a restore: the place of each contact's memo, or `NO_MEMO`.
+        memo_sources: u32 = c.contacts as usize,
         /// What follows from the ordering in the state.
         ordering: u32 = cells::upkeep_words(c.bodies as usize, links_max(c)),
         /// Slots of the joints among the links of the last update of the ordering.
@@ -329,8 +346,8 @@ region! {
 pub(crate) struct Memo {
     /// Unit normal from A to B in A's frame.
     pub normal: Vec3,
-    /// Zero.
-    pub reserved: f32,
+    /// 0, or 1 while the memo must be found again.
+    pub is_unknown: u32,
     /// The points on A's surface, in A's frame.
     pub on_a: [Vec3; 4],
     /// The points on B's surface, in B's frame.
@@ -386,6 +403,11 @@ impl Touch {
     pub const FAST: f32 = 0.5;
     /// A surface moves, or resists rolling or spinning.
     pub const ACTS: f32 = -2.0;
+
+    /// True for what is neither settled nor fast, and has surfaces that do nothing.
+    pub fn is_plain(&self) -> bool {
+        self.settled.to_bits() == 0
+    }
 
     /// True for [`Touch::FAST`], whatever the surfaces do.
     pub fn is_fast(&self) -> bool {
@@ -524,8 +546,8 @@ region! {
         origins: Motion = c.bodies as usize,
         /// Slots of the fast bodies, ascending.
         fast: u32 = c.bodies as usize,
-        /// The fraction of the step after which each of them is stopped; more than 1 for none.
-        stops: f64 = c.bodies as usize,
+        /// Where each of them is stopped.
+        stops: Stop = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),
         /// Pairs of shapes of contacts that ended in this step, and that began; contacts that are hits. Of no

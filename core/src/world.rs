@@ -15,6 +15,7 @@ mod joints;
 mod load;
 mod materials;
 mod queries;
+mod ring;
 mod shapes;
 mod sleep;
 mod snapshot;
@@ -37,6 +38,7 @@ pub use checksum::hash as xxh64;
 pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
 pub use height_fields::HeightFieldDef;
+pub use ring::SnapshotRing;
 pub use snapshot::{SnapshotHeader, SnapshotSection};
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.

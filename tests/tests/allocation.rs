@@ -124,6 +124,26 @@ fn commands_are_coded_without_memory() {
 }
 
 #[test]
+fn a_ring_of_snapshots_allocates_nothing() {
+    let mut world = pile();
+    let mut ring = cellstep::new_ring(world.capacities(), 8).expect("memory");
+    let found = allocation_counter::measure(|| {
+        for _ in 0..60 {
+            ring.save(&world).expect("a world of its capacities");
+            world.step(&mut Serial);
+            if world.steps().is_multiple_of(20) {
+                let back = world.steps() - 8;
+                ring.restore(&mut world, back).expect("it is kept");
+                while world.steps() < back + 8 {
+                    world.step(&mut Serial);
+                }
+            }
+        }
+    });
+    assert_eq!(found.count_total, 0);
+}
+
+#[test]
 fn queries_allocate_nothing() {
     let mut world = mixed_world(1);
     let mut random = Random::new(2);

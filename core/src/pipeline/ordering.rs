@@ -12,7 +12,9 @@ use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{articulations, balls};
-use crate::state::{Cache, CacheHeader, ContactRow, Scratch, State, Touch};
+use crate::state::{
+    Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
+};
 
 /// Contacts whose links are worth a task.
 const LINK_CONTACTS: usize = 1024;
@@ -69,7 +71,7 @@ fn keep(
 ) -> bool {
     let all = count.contacts + count.joints;
     let joints = follow_joints(state, scratch, (change.lost, count.joints));
-    let fits = cache.header[0].ordering_fits != 0;
+    let fits = cache.header[0].ordering_fits == ORDERING_FITS;
     let same = !change.any && !joints.any && state.ordering[0].is_calm();
     if same && fits {
         return true;
@@ -84,9 +86,16 @@ fn keep(
     for (phase, &slot) in phases[count.contacts..].iter_mut().zip(slots) {
         *phase = state.joints[slot as usize].phase as u8;
     }
-    cache.header[0].ordering_fits = 1;
+    let unchecked = cache.header[0].ordering_fits == ORDERING_UNCHECKED;
+    cache.header[0].ordering_fits = ORDERING_FITS;
     if same {
-        upkeep.recall(links, phases, state.dirt, scratch.ordering);
+        if unchecked && upkeep.is_of(links, phases) {
+            upkeep.refresh_dirt(state.dirt);
+        } else {
+            upkeep.recall(links, phases, state.dirt, scratch.ordering);
+            // The layout is of the ordering that was.
+            cache.header[0].laid_out = 0;
+        }
         note_joints((&mut cache.header[0], cache.ordered_joints), (slots, count));
         return true;
     }

@@ -27,21 +27,21 @@ use bytemuck::{AnyBitPattern, Zeroable};
 const COUNTER_MAX: u64 = 1 << 63;
 
 /// Rows of a section in bytes of any alignment.
-struct Rows<'a, T> {
+pub(super) struct Rows<'a, T> {
     bytes: &'a [u8],
     kind: core::marker::PhantomData<T>,
 }
 
 impl<'a, T: AnyBitPattern> Rows<'a, T> {
-    fn new(bytes: &'a [u8]) -> Self {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, kind: core::marker::PhantomData }
     }
 
-    fn len(&self) -> u32 {
+    pub(super) fn len(&self) -> u32 {
         (self.bytes.len() / size_of::<T>()) as u32
     }
 
-    fn get(&self, index: u32) -> T {
+    pub(super) fn get(&self, index: u32) -> T {
         let start = index as usize * size_of::<T>();
         bytemuck::pod_read_unaligned(&self.bytes[start..start + size_of::<T>()])
     }
@@ -174,7 +174,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             tables: self.asset_tables(),
         };
         parts.check(&limits)?;
-        self.copy_in(snapshot, &header);
+        self.copy_in(snapshot, &header, 0);
+        self.drop_caches();
         Ok(())
     }
 }

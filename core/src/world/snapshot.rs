@@ -1,5 +1,6 @@
 //! Snapshots: a header and one copy per section, up to its high-water mark.
 
+mod caches;
 mod header;
 
 use super::checksum::hash;
@@ -106,7 +107,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub fn snapshot_sections(
         &self,
         snapshot: &[u8],
-    ) -> Result<impl Iterator<Item = SnapshotSection> + use<M>, Error> {
+    ) -> Result<impl Iterator<Item = SnapshotSection> + use<M>, SnapshotError> {
         let sections = self.sections_for(&self.check_header(snapshot)?);
         let mut start = SnapshotHeader::BYTES;
         Ok(sections.into_iter().map(move |section| {
@@ -150,6 +151,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     }
 
     /// Goes back (or forward) to a snapshot that this world, or one with the same capacities and assets, has saved.
+    /// A copy for each section, and a look at what of the caches still holds.
     ///
     /// Checks version, capacities, assets and length, and trusts the rest: bytes that no `save` wrote may make
     /// later calls panic. For bytes from elsewhere there is [`World::load`].
@@ -158,7 +160,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// A [`SnapshotError`]; the world is unchanged.
     pub fn restore(&mut self, snapshot: &[u8]) -> Result<(), Error> {
         let header = self.check_header(snapshot)?;
-        self.copy_in(snapshot, &header);
+        let copied = self.keep_caches(snapshot, &header);
+        self.copy_in(snapshot, &header, copied);
         Ok(())
     }
 
@@ -195,8 +198,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(state)
     }
 
-    /// Copies the sections of a checked snapshot into the state; rows above the new marks become zero.
-    pub(super) fn copy_in(&mut self, snapshot: &[u8], header: &Header) {
+    /// Copies the sections of a checked snapshot into the state, but for the first `copied` contacts, which are
+    /// there; rows above the new marks become zero.
+    pub(super) fn copy_in(&mut self, snapshot: &[u8], header: &Header, copied: usize) {
         let before = self.sections();
         let after = self.sections_for(header);
         let mut rest = &snapshot[SnapshotHeader::BYTES..];
@@ -205,12 +209,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             let (own, next) = rest.split_at(new.rows * new.size);
             rest = next;
             let section = &mut state[new.offset..];
-            section[..own.len()].copy_from_slice(own);
+            let done = if new.name == "contacts" { copied * new.size } else { 0 };
+            section[done..own.len()].copy_from_slice(&own[done..]);
             if old.rows > new.rows {
                 section[own.len()..old.rows * old.size].fill(0);
             }
         }
-        self.drop_caches();
     }
 }
 

@@ -6,6 +6,7 @@ use super::sections_of;
 use crate::arena::Line;
 use crate::config::BEHAVIOUR_VERSION;
 use crate::error::SnapshotError;
+use crate::pool::Marks;
 use crate::state::{Header, StateLayout};
 use bytemuck::{Pod, Zeroable};
 use core::mem::size_of;
@@ -71,6 +72,15 @@ impl SnapshotHeader {
         })
     }
 
+    /// XXH64 of everything after the header of a snapshot: what [`World::seal`] writes into it.
+    ///
+    /// # Errors
+    /// Those of [`SnapshotHeader::read`].
+    pub fn content_hash_of(snapshot: &[u8]) -> Result<u64, SnapshotError> {
+        Self::read(snapshot)?;
+        Ok(hash(&snapshot[Self::BYTES..], 0))
+    }
+
     pub(in super::super) fn to_bytes(self) -> [u8; Self::BYTES] {
         bytemuck::cast(HeaderRow {
             magic: MAGIC,
@@ -113,6 +123,27 @@ impl Capacities {
         let counts = hash(bytemuck::bytes_of(&assets), hash(bytemuck::bytes_of(&state), 0));
         let sections = sections_of(&StateLayout::new(self), self, &Header::zeroed());
         sections.iter().fold(counts, |sum, section| hash(&(section.size as u64).to_le_bytes(), sum))
+    }
+
+    /// Bytes of the largest snapshot of a world with these capacities.
+    pub fn snapshot_bytes_max(&self) -> usize {
+        let full = |high| Marks { high, ..Marks::default() };
+        let header = Header {
+            bodies: full(self.bodies),
+            shapes: full(self.shapes),
+            joints: full(self.joints),
+            pairs: self.pairs,
+            contacts: self.contacts,
+            asleep_pairs: self.pairs,
+            asleep_contacts: self.contacts,
+            materials: self.materials,
+            pair_rules: self.pair_rules,
+            events: self.events,
+            visits: self.sensor_visits,
+            ..Header::zeroed()
+        };
+        let sections = sections_of(&StateLayout::new(self), self, &header);
+        SnapshotHeader::BYTES + sections.iter().map(|s| s.rows * s.size).sum::<usize>()
     }
 }
 
