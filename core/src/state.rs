@@ -5,6 +5,7 @@
 //! never bits. **Scratch** is made anew by each step.
 
 mod assets;
+mod fields;
 
 use crate::arena::region;
 use crate::body::{BodyRow, Motion};
@@ -23,6 +24,7 @@ use crate::lanes::Words;
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Aabb, Rotation, Vec3};
 use crate::pipeline::articulations::ArticulationRow;
+use crate::pipeline::continuous::Stop;
 use crate::pipeline::layout::{Group, Plan, links_max, mover_rows_max, seats_max};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::Seat;
@@ -34,6 +36,8 @@ pub use assets::Surface;
 pub(crate) use assets::{
     AssetTables, Assets, AssetsLayout, CompoundRow, HeightFieldRow, MeshRow, SurfaceRun,
 };
+pub(crate) use fields::fields;
+pub use fields::{Field, FieldKind};
 
 /// Marks of all pools, settings and counters: the first section of the state.
 #[repr(C)]
@@ -400,6 +404,11 @@ impl Touch {
     /// A surface moves, or resists rolling or spinning.
     pub const ACTS: f32 = -2.0;
 
+    /// True for what is neither settled nor fast, and has surfaces that do nothing.
+    pub fn is_plain(&self) -> bool {
+        self.settled.to_bits() == 0
+    }
+
     /// True for [`Touch::FAST`], whatever the surfaces do.
     pub fn is_fast(&self) -> bool {
         self.settled == Self::FAST || self.settled == Self::FAST + Self::ACTS
@@ -537,8 +546,8 @@ region! {
         origins: Motion = c.bodies as usize,
         /// Slots of the fast bodies, ascending.
         fast: u32 = c.bodies as usize,
-        /// The fraction of the step after which each of them is stopped; more than 1 for none.
-        stops: f64 = c.bodies as usize,
+        /// Where each of them is stopped.
+        stops: Stop = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),
         /// Pairs of shapes of contacts that ended in this step, and that began; contacts that are hits. Of no

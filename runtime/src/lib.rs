@@ -47,6 +47,7 @@ mod memory;
 #[cfg(feature = "scene")]
 pub mod mjcf;
 pub mod pool;
+pub mod replay;
 #[cfg(feature = "scene")]
 pub mod scene;
 mod spin;

@@ -1,7 +1,8 @@
 //! Snapshots: going back and stepping again gives the same bytes, whatever happened in between.
 
-use cellstep::{BEHAVIOUR_VERSION, Capacities, Error, Executor, Serial, SnapshotError, SnapshotHeader};
-use cellstep_tests::commands::Command;
+use cellstep::{
+    BEHAVIOUR_VERSION, Capacities, Command, Error, Executor, Serial, SnapshotError, SnapshotHeader,
+};
 use cellstep_tests::executors::{Random, Shuffled};
 use cellstep_tests::fuzzing::{CONTENT_HASH, SNAPSHOT_HEADER};
 use cellstep_tests::simulator::{self, CAPACITIES, Event, Simulator, snapshot};

@@ -15,6 +15,7 @@
 
 mod axial;
 pub(crate) mod children;
+pub(crate) mod course;
 pub(crate) mod frame;
 pub(crate) mod gjk;
 mod grid;

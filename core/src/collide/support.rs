@@ -250,6 +250,22 @@ impl<'a> Core<'a> {
         }
     }
 
+    /// The radius of the smallest ball about the middle of the inner one that has the core in it, metres.
+    pub fn outer_radius(&self) -> f64 {
+        let middle = self.inner_ball().0;
+        let from_middle = |point: DVec3| (point - middle).dot(point - middle);
+        let most = |a: f64, b: f64| if a > b { a } else { b };
+        libm::sqrt(match *self {
+            Core::Point => 0.0,
+            Core::Segment { half_height } => half_height * half_height,
+            Core::Hull(hull) => hull.vertices.iter().map(|&v| from_middle(DVec3::from(v))).fold(0.0, most),
+            Core::Cylinder { half_height, radius } => from_middle(DVec3::new(radius, 0.0, half_height)),
+            Core::Cone { half_height, radius } => {
+                most(from_middle(DVec3::Z * half_height), from_middle(DVec3::new(radius, 0.0, -half_height)))
+            }
+        })
+    }
+
     /// A cylinder that is thinner by a skin all over, metres; `None` for all others.
     pub fn thinned(&self, skin: f64) -> Option<Self> {
         match *self {

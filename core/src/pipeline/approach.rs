@@ -17,12 +17,14 @@ use crate::config::SPECULATIVE_DISTANCE;
 use crate::math::{Pose, Vec3, min};
 use crate::pipeline::continuous::{FAST_SHARE, WAY_FLOOR, has_joints, inner_radius};
 use crate::pipeline::meeting::{Meeting, Scene};
-use crate::shape::GEOMETRY_SPHERE;
+use crate::shape::{GEOMETRY_SPHERE, ShapeRow};
 use crate::state::AssetTables;
 use glam::DVec3;
 
 /// Turn in a step, radians, up to which shapes are taken to come as they stand.
 const TURN_MAX: f32 = 0.25;
+/// Sum of squares of turns that is below the square of that one, however it is rounded.
+const TURN_SURE: f32 = 0.99 * TURN_MAX * TURN_MAX;
 
 /// How far behind the plane of a contact shapes may be that do not touch, metres: rounding.
 const PASS_DEPTH: f32 = 1.0e-5;
@@ -40,12 +42,19 @@ pub(crate) enum Approach {
 
 impl Approach {
     /// How the shapes in two slots come to each other in a step of `dt` seconds.
-    #[inline]
-    pub fn new(scene: &Scene<'_>, meeting: &Meeting, look: ([u32; 2], &AssetTables<'_>, f32)) -> Self {
-        if meeting.turns <= TURN_MAX * TURN_MAX && meeting.way <= WAY_FLOOR {
+    #[inline(always)]
+    pub fn new(
+        scene: &Scene<'_>,
+        meeting: &Meeting,
+        (slots, shapes, assets, dt): ([u32; 2], (&ShapeRow, &ShapeRow), &AssetTables<'_>, f32),
+    ) -> Self {
+        // Most pairs: no more than two comparisons.
+        if (meeting.turns <= TURN_MAX * TURN_MAX && meeting.way <= WAY_FLOOR)
+            || (meeting.turns <= TURN_SURE && !passes_by(meeting.way, shapes, assets))
+        {
             return Self::Slow;
         }
-        Self::of_moving(scene, meeting, look)
+        Self::of_moving(scene, meeting, (slots, assets, dt))
     }
 
     #[inline(never)]
@@ -68,13 +77,24 @@ impl Approach {
         if turn(slots[0]) + turn(slots[1]) > TURN_MAX * TURN_MAX {
             return Self::Turning;
         }
-        let thickness = |slot: u32| {
-            let shape = &scene.shapes[slot as usize];
-            if shape.is_surface() { f32::MAX } else { inner_radius(shape, assets) }
-        };
-        let fast = meeting.way > FAST_SHARE * min(thickness(slots[0]), thickness(slots[1]));
-        if fast { Self::Straight } else { Self::Slow }
+        let shapes = (&scene.shapes[slots[0] as usize], &scene.shapes[slots[1] as usize]);
+        if passes_by(meeting.way, shapes, assets) { Self::Straight } else { Self::Slow }
     }
+}
+
+/// True when two shapes come by more than a share of the thinner one's thickness.
+#[inline(always)]
+fn passes_by(way: f32, (a, b): (&ShapeRow, &ShapeRow), assets: &AssetTables<'_>) -> bool {
+    let thickness = |shape: &ShapeRow| {
+        if shape.kind == GEOMETRY_SPHERE {
+            shape.size[0]
+        } else if shape.is_surface() {
+            f32::MAX
+        } else {
+            inner_radius(shape, assets)
+        }
+    };
+    way > FAST_SHARE * min(thickness(a), thickness(b))
 }
 
 /// The contacts of two shapes that are not slow, as they stand now or as they will when they touch. Returns how

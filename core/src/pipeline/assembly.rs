@@ -115,9 +115,11 @@ pub(crate) fn prepare_bodies<E: Executor>(
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
-            active.stiffening = stiffening::stiffening(state, active.body, substep);
-            active.linear = motion.linear;
-            active.angular = stiffening::eased(active, row, (principal, motion.angular));
+            (active.stiffening, active.linear, active.angular) = (Vec3::ZERO, motion.linear, motion.angular);
+            if has_joints(state.first_joints, active.body) {
+                active.stiffening = stiffening::stiffening(state, active.body, substep);
+                active.angular = stiffening::eased(active, row, (principal, motion.angular));
+            }
             (active.root, active.whitened) =
                 root_and_whitened(principal, active.inertia(row), locks >> 3, active.angular);
             active.inverse_mass = 1.0 / row.mass;

@@ -8,6 +8,14 @@
 //! front, and the rest of the step's time is lost to it. Velocities stay: in the next step there is a contact,
 //! which has the impact.
 //!
+//! **What is at a wall already** has had its impact in this step, and is stopped because it turns on, so that
+//! another of its points comes to the wall. Stopped each time it would stay where it is for good: contacts act
+//! where it stands, and what they push out is undone with the rest of its motion. So a body that is stopped in the
+//! first tenth of a step is shifted off the wall by what its turn needs, goes on without what comes nearer, and is
+//! shifted back to the wall at the end, where contacts can stop what of its velocity leads there. All of that is
+//! a motion among walls, each part of it stopped like the first; it happens a few times at most, and no velocity
+//! is changed by it.
+//!
 //! - Against static and kinematic bodies always, the latter on their own way; against dynamic ones for bodies with
 //!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Of those
 //!   only bodies that are still in their fat boxes are found.
@@ -17,11 +25,14 @@
 //! - Where no body is fast nothing runs: a body that moves less than [`WAY_FLOOR`] and turns less than
 //!   [`TURN_FLOOR`] is not looked at.
 
+mod course;
+
 use crate::body::{ASLEEP, BULLET, BodyKind, BodyRow, CHANGED_SECTOR, Motion, Position};
 use crate::collide::Solid;
 use crate::collide::cast::children::Parts;
-use crate::collide::cast::frame::{Frame, length, narrowed, widened};
-use crate::collide::cast::impact::{Course, Rider, Turn, impact};
+use crate::collide::cast::course::{Course, Rider};
+use crate::collide::cast::frame::{Frame, length, widened};
+use crate::collide::cast::impact::{Impact, impact};
 use crate::collide::cast::support;
 use crate::collide::tree::Tree;
 use crate::collide::tree::search::Way;
@@ -30,7 +41,6 @@ use crate::executor::{Executor, Stage};
 use crate::math::{Pose, Rotation, Vec3, max_each, min, sqrt};
 use crate::pipeline::broadphase::{may_meet, refresh_trees, tree_of};
 use crate::pipeline::finish::follow_stance;
-use crate::pipeline::integration::split_frame;
 use crate::pipeline::rules::stand_in_the_way;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
@@ -39,6 +49,8 @@ use crate::shape::{
     ShapeRow,
 };
 use crate::state::{AssetTables, Cache, Scratch, State};
+use bytemuck::{Pod, Zeroable};
+use course::{course, turned, turned_along};
 use glam::DVec3;
 
 /// A body is fast when some point of a shape moves by more than this share of the shape's inner radius in a step.
@@ -49,10 +61,12 @@ pub(crate) const WAY_FLOOR: f32 = 0.002;
 const TURN_FLOOR: f32 = 0.02;
 /// Fast bodies that are worth a task.
 const FAST_BODIES: usize = 8;
-/// Stands for a body that is not stopped.
-const NEVER: f64 = 2.0;
-/// Turn in a step from which on a body's way follows from its velocity and not from its last orientation, radians.
-const TURN_MAX: f64 = 0.5;
+/// Fraction of the step before which a body that is stopped goes on another way.
+const EARLY: f64 = 0.1;
+/// How often a body may be stopped in a step.
+const ROUNDS: usize = 4;
+/// Least share of a normal along axes that are not locked for a body to move off along it.
+const FREE_MIN: f64 = 0.25;
 
 /// What tells whether a body is fast.
 pub(crate) struct Race<'a> {
@@ -62,23 +76,29 @@ pub(crate) struct Race<'a> {
 }
 
 impl Race<'_> {
-    /// False for a body that is not fast whatever its shapes are. `way` is the motion of its center, metres.
+    /// True when some point of a body's shape moved by more than a share of the shape's thickness. `way` is the
+    /// motion of its center, metres.
     #[inline(always)]
-    pub fn may_be_fast(&self, way: Vec3, motion: &Motion) -> bool {
+    pub fn is_fast(&self, way: Vec3, (motion, row): (&Motion, &BodyRow)) -> bool {
         let turn = motion.angular * self.settings.dt;
-        (way.dot(way) > WAY_FLOOR * WAY_FLOOR || turn.dot(turn) > TURN_FLOOR * TURN_FLOOR)
+        let (way, turn) = (way.dot(way), turn.dot(turn));
+        // Most bodies are not, whatever their shapes are.
+        (way > WAY_FLOOR * WAY_FLOOR || turn > TURN_FLOOR * TURN_FLOOR)
             && self.settings.continuous
+            && row.is_dynamic()
+            && self.outruns((sqrt(way), crate::math::length(motion.angular) * self.settings.dt), row)
     }
 
-    /// True when some point of a body's shape moved by more than a share of the shape's thickness.
-    pub fn is_fast(&self, way: Vec3, (motion, row): (&Motion, &BodyRow)) -> bool {
-        if !self.may_be_fast(way, motion) || !row.is_dynamic() {
-            return false;
-        }
-        let (way, turn) = (crate::math::length(way), crate::math::length(motion.angular) * self.settings.dt);
+    /// The same of a body that moved by a way, metres, and turned, radians.
+    #[inline(always)]
+    fn outruns(&self, (way, turn): (f32, f32), row: &BodyRow) -> bool {
         let mut next = row.first_shape;
         while let Some(shape) = self.shapes.get(next as usize) {
-            let (inner, outer) = (inner_radius(shape, self.assets), outer_radius(shape, self.assets));
+            let (inner, outer) = if shape.kind == GEOMETRY_SPHERE {
+                (shape.size[0], shape.size[0])
+            } else {
+                (inner_radius(shape, self.assets), outer_radius(shape, self.assets))
+            };
             let arm = crate::math::length(shape.pose.position - row.local_center);
             if way + turn * (arm + outer) > FAST_SHARE * inner {
                 return true;
@@ -126,7 +146,7 @@ pub(crate) fn run<E: Executor>(
 ) {
     struct Task<'a> {
         bodies: &'a [u32],
-        stops: &'a mut [f64],
+        stops: &'a mut [Stop],
     }
     let count = counts.fast as usize;
     let origins = &*scratch.origins;
@@ -156,151 +176,47 @@ pub(crate) fn run<E: Executor>(
     }
     crew.run(Stage::Finish, &mut tasks, |task| {
         for (&body, stop) in task.bodies.iter().zip(task.stops.iter_mut()) {
-            *stop = chase.first_stop(body);
+            *stop = chase.stop(body);
         }
     });
     drop(tasks);
-    for (&body, &stop) in scratch.fast[..count].iter().zip(&scratch.stops[..count]) {
-        if stop <= 1.0 {
+    for (&body, stop) in scratch.fast[..count].iter().zip(&scratch.stops[..count]) {
+        if stop.is_one() {
             let slot = body as usize;
-            cut(&scratch.origins[slot], (&mut state.motions[slot], &mut state.bodies[slot]), (stop, dt));
+            cut(&scratch.origins[slot], (&mut state.motions[slot], &mut state.bodies[slot]), stop);
             counts.cut += 1;
         }
     }
 }
 
-/// Ends a body's motion at a fraction of the step. Velocities stay, the angular one in the view of the body's odd
-/// axis: so the energy does, where a spin about the long axis of a rod that has turned would be one across it.
-fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), (stop, dt): (f64, f32)) {
-    let course = course(origin.center, (origin, motion, row), dt);
-    motion.center = origin.center.plus_wide(course.way * stop);
-    let turn =
-        |turn: Turn, share: f64| Rotation::from_rotation_vector(narrowed(turn.axis * (turn.angle * share)));
-    let start = turn(course.twist, stop).after(origin.rotation);
-    let rotation = turn(course.swing, stop).after(start).normalized();
-    if let Some((axis, _)) = odd_axis(row) {
-        let (before, after) =
-            (Quaternion::of(motion.rotation).rotate(axis), Quaternion::of(rotation).rotate(axis));
-        motion.angular =
-            narrowed(Quaternion::about(swing_between(before, after)).rotate(widened(motion.angular)));
+/// Where a fast body ends its step, if not where the solve left it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Stop {
+    /// From where its center started, metres.
+    way: [f64; 3],
+    rotation: Rotation,
+    /// 0 when it is not stopped.
+    stops: f64,
+}
+
+impl Stop {
+    fn is_one(&self) -> bool {
+        self.stops != 0.0
     }
-    motion.rotation = rotation;
+}
+
+/// Ends a body's motion. Velocities stay, the angular one in the view of the body's odd axis: so the energy does,
+/// where a spin about the long axis of a rod that has turned would be one across it.
+fn cut(origin: &Motion, (motion, row): (&mut Motion, &mut BodyRow), stop: &Stop) {
+    motion.center = origin.center.plus_wide(DVec3::from_array(stop.way));
+    motion.angular = turned_along(motion.angular, row, (motion.rotation, stop.rotation));
+    motion.rotation = stop.rotation;
     row.flags &= !CHANGED_SECTOR;
     if motion.center.sector != origin.center.sector {
         row.flags |= CHANGED_SECTOR;
     }
     follow_stance(motion, row);
-}
-
-/// The way of a body through the step, places from `from`; the angular velocity is that at the end.
-///
-/// What turns by much in the step goes on a way of its own: two orientations do not tell how it came from one to
-/// the other. It is taken to turn freely at its last velocity from its first orientation, as a symmetric top does,
-/// exactly: about its momentum by `L / I`, and about the odd axis by what is left. Then the point that meets a
-/// surface is one that comes nearer by the body's velocities, and the contact of the next step has something to
-/// stop.
-fn course(from: Position, (origin, end, row): (&Motion, &Motion, &BodyRow), dt: f32) -> Course {
-    let start = Frame::new(origin.center.minus_wide(from), origin.rotation);
-    let way = end.center.minus_wide(origin.center);
-    let turn = widened(end.angular) * f64::from(dt);
-    let odd = odd_axis(row);
-    let (first, last) = (Quaternion::of(origin.rotation), Quaternion::of(end.rotation));
-    let loose = turn.dot(turn) >= TURN_MAX * TURN_MAX;
-    let (swing, twist) = if !loose {
-        turns_between(first, last, odd)
-    } else if let Some((axis, ratio)) = odd {
-        let (before, after) = (first.rotate(axis), last.rotate(axis));
-        let turn = Quaternion::about(swing_between(after, before)).rotate(turn);
-        let spin = turn.dot(before);
-        let swing = turn + before * (spin * (ratio - 1.0));
-        let twist = Turn { axis: before, angle: spin * (1.0 - ratio) };
-        (Turn::of(swing), twist)
-    } else {
-        (Turn::of(turn), Turn::NONE)
-    };
-    let end = loose.then(|| Frame::new(end.center.minus_wide(from), end.rotation));
-    Course { start, way, swing, twist, end, held: false }
-}
-
-/// The axis of the moment of inertia that stands out, in the body's frame, and its moment over the mean of the
-/// others.
-fn odd_axis(row: &BodyRow) -> Option<(DVec3, f64)> {
-    let i = row.inertia;
-    if i.x == i.y && i.y == i.z {
-        return None;
-    }
-    let (frame, moments) = split_frame(i);
-    let axis = widened(row.axes.after(frame).rotate(Vec3::Z));
-    Some((axis, 2.0 * f64::from(moments.z) / (f64::from(moments.x) + f64::from(moments.y))))
-}
-
-/// The least turn that takes one unit vector to another.
-fn swing_between(before: DVec3, after: DVec3) -> Turn {
-    let across = before.cross(after);
-    let sine = length(across);
-    if sine == 0.0 {
-        Turn::NONE
-    } else {
-        Turn { axis: across / sine, angle: libm::atan2(sine, before.dot(after)) }
-    }
-}
-
-/// The turn from one orientation to another: the least one that takes the odd axis along, and a twist about that
-/// axis. Of a body without such an axis all is swing.
-fn turns_between(from: Quaternion, to: Quaternion, odd: Option<(DVec3, f64)>) -> (Turn, Turn) {
-    let whole = to.after(from.inverse());
-    let Some((axis, _)) = odd else { return (whole.turn(None), Turn::NONE) };
-    let (before, after) = (from.rotate(axis), to.rotate(axis));
-    let swing = swing_between(before, after);
-    (swing, Quaternion::about(swing).inverse().after(whole).turn(Some(before)))
-}
-
-/// A rotation in double precision, of length 1 but for the rounding of the state.
-#[derive(Clone, Copy)]
-struct Quaternion {
-    imaginary: DVec3,
-    real: f64,
-}
-
-impl Quaternion {
-    fn of(q: Rotation) -> Self {
-        let [x, y, z, w] = [q.x, q.y, q.z, q.w].map(f64::from);
-        Self { imaginary: DVec3::new(x, y, z), real: w }
-    }
-
-    fn about(turn: Turn) -> Self {
-        let half = 0.5 * turn.angle;
-        Self { imaginary: turn.axis * libm::sin(half), real: libm::cos(half) }
-    }
-
-    fn inverse(self) -> Self {
-        Self { imaginary: -self.imaginary, ..self }
-    }
-
-    /// First `first`, then this.
-    fn after(self, first: Self) -> Self {
-        let (a, b) = (self.imaginary, first.imaginary);
-        Self {
-            imaginary: b * self.real + a * first.real + a.cross(b),
-            real: self.real * first.real - a.dot(b),
-        }
-    }
-
-    fn rotate(self, v: DVec3) -> DVec3 {
-        let t = self.imaginary.cross(v) * 2.0;
-        v + t * self.real + self.imaginary.cross(t)
-    }
-
-    /// Axis and angle, at most half a turn; about a given unit axis what there is about it.
-    fn turn(self, axis: Option<DVec3>) -> Turn {
-        let (v, w) =
-            if self.real < 0.0 { (-self.imaginary, -self.real) } else { (self.imaginary, self.real) };
-        if let Some(axis) = axis {
-            return Turn { axis, angle: 2.0 * libm::atan2(v.dot(axis), w) };
-        }
-        let size = length(v);
-        if size == 0.0 { Turn::NONE } else { Turn { axis: v / size, angle: 2.0 * libm::atan2(size, w) } }
-    }
 }
 
 /// True when a body has joints.
@@ -320,37 +236,175 @@ struct Chase<'a> {
     dt: f32,
 }
 
+/// Which walls a body meets: as they move in the step, or as they stand at a time.
+#[derive(Clone, Copy)]
+enum Walls {
+    Moving,
+    At(f64),
+}
+
+/// A body on a course.
+#[derive(Clone, Copy)]
+struct Runner<'a> {
+    row: &'a BodyRow,
+    origin: &'a Motion,
+    course: &'a Course,
+    walls: Walls,
+}
+
+/// The first impact of those found; of impacts at one time that of the lowest slots, in whatever order they are
+/// found.
+struct Best {
+    impact: Option<Impact>,
+    slots: [u32; 2],
+}
+
+impl Best {
+    fn limit(&self) -> f64 {
+        self.impact.map_or(1.0, |impact| impact.time)
+    }
+
+    fn add(&mut self, found: Impact, slots: [u32; 2]) {
+        if self.impact.is_none_or(|best| (found.time, slots) < (best.time, self.slots)) {
+            (self.impact, self.slots) = (Some(found), slots);
+        }
+    }
+}
+
 impl Chase<'_> {
-    /// The fraction of the step at which a body meets the first surface that it would pass.
-    fn first_stop(&self, body: u32) -> f64 {
+    /// Where a body is stopped.
+    fn stop(&self, body: u32) -> Stop {
         let (row, origin) = (&self.state.bodies[body as usize], &self.origins[body as usize]);
         let mut course = course(origin.center, (origin, &self.state.motions[body as usize], row), self.dt);
         course.held = has_joints(self.state.first_joints, body);
-        let mut best = NEVER;
-        let mut next = row.first_shape;
-        while let Some(shape) = self.state.shapes.get(next as usize) {
-            best = self.stop_of((next, shape), (row, origin, &course), best);
-            next = shape.next;
+        let runner = Runner { row, origin, course: &course, walls: Walls::Moving };
+        let Some((impact, wall)) = self.first_impact(&runner) else { return Stop::zeroed() };
+        let rotation = turned(origin.rotation, &course, impact.time);
+        let way = course.way * impact.time;
+        if course.held || impact.time >= EARLY || self.is_pushed(wall) {
+            return Stop { way: way.to_array(), rotation, stops: 1.0 };
         }
-        best
+        self.go_on(&runner, (impact, way, rotation))
     }
 
-    /// The same for one of its shapes, if it is before `best`.
-    fn stop_of(
+    /// Where a body ends that would be stopped at once: it is at a wall and turns so that another point of it
+    /// comes there, and were it stopped each time, it would stay where it is. It is moved off the wall by what
+    /// its turn needs, and goes on without coming nearer; so a few times.
+    fn go_on(
         &self,
-        (slot, shape): (u32, &ShapeRow),
-        (row, origin, course): (&BodyRow, &Motion, &Course),
-        best: f64,
-    ) -> f64 {
-        let Some(parts) = Parts::new(&solid(shape, self.assets)) else { return best };
+        runner: &Runner<'_>,
+        (mut impact, mut place, mut rotation): (Impact, DVec3, Rotation),
+    ) -> Stop {
+        let mut course = *runner.course;
+        let mut lifts = [DVec3::ZERO; ROUNDS];
+        let mut time = impact.time;
+        for lifted in &mut lifts {
+            course = course.resumed(time, Frame::new(place, rotation));
+            let Some((free, lift)) = self.leave(runner.row, &course, &impact) else { break };
+            course.way = free;
+            *lifted = self.shift(runner, (course.start, lift), time);
+            place += *lifted;
+            course.start = course.start.at(place);
+            let next = self.first_impact(&Runner { course: &course, ..*runner });
+            time = next.map_or(1.0, |(next, _)| next.time);
+            place = course.at(time).position;
+            rotation = turned(rotation, &course, time);
+            match next {
+                Some((next, wall)) if !self.is_pushed(wall) => impact = next,
+                _ => break,
+            }
+        }
+        // Back to the wall: only there contacts can stop what comes to it.
+        for lifted in lifts.into_iter().rev() {
+            place += self.shift(runner, (Frame::new(place, rotation), -lifted), time);
+        }
+        Stop { way: place.to_array(), rotation, stops: 1.0 }
+    }
+
+    /// How far a body in a frame can be shifted at a time, metres.
+    fn shift(&self, runner: &Runner<'_>, (start, way): (Frame, DVec3), time: f64) -> DVec3 {
+        if way == DVec3::ZERO {
+            return way;
+        }
+        let course = Course { way, ..Course::still(start) };
+        let met = self.first_impact(&Runner { course: &course, walls: Walls::At(time), ..*runner });
+        way * met.map_or(1.0, |(met, _)| met.time)
+    }
+
+    /// True for a shape of a body that may be pushed: where a bullet meets it their contact is to decide.
+    fn is_pushed(&self, slot: u32) -> bool {
+        let row = &self.state.bodies[self.state.shapes[slot as usize].body as usize];
+        row.is_dynamic() && !row.has(ASLEEP)
+    }
+
+    /// The way of a course without what comes nearer at an impact, and how far the body is to be moved off so that
+    /// it can turn: both over the rest of the step, metres. `None` for a body that cannot move off.
+    fn leave(&self, row: &BodyRow, course: &Course, impact: &Impact) -> Option<(DVec3, DVec3)> {
+        let n = impact.normal;
+        let locks = row.locks();
+        let free = |axis: usize| if locks >> axis & 1 == 1 { 0.0 } else { n[axis] };
+        let free = DVec3::new(free(0), free(1), free(2));
+        let share = free.dot(n);
+        if share < FREE_MIN {
+            return None;
+        }
+        let nearer = course.way.dot(n);
+        let way = if nearer > 0.0 { course.way - free * (nearer / share) } else { course.way };
+        let rest = 1.0 - course.from;
+        let arm = impact.point - course.start.position;
+        let turn = course.swing.axis * course.swing.angle + course.twist_at(course.from);
+        let (across, reach) = (length(turn.cross(n)), self.reach(row));
+        // First and second order of how far the turn brings points nearer, and how far there are any.
+        let rate = way.dot(n) + turn.cross(arm).dot(n);
+        let bend = 0.5 * across * length(turn) * reach;
+        let room = reach - arm.dot(n);
+        let need = (if rate > 0.0 { rate } else { 0.0 } + bend * rest) * rest;
+        let lift = if need < room { need } else { room };
+        Some((way, free * (if lift > 0.0 { -lift / share } else { 0.0 })))
+    }
+
+    /// The greatest distance of a point of a body's shapes from its center, metres.
+    fn reach(&self, row: &BodyRow) -> f64 {
+        let mut reach = 0.0;
+        let mut next = row.first_shape;
+        while let Some(shape) = self.state.shapes.get(next as usize) {
+            if let Some(parts) = Parts::new(&solid(shape, self.assets)) {
+                let (low, high) = parts.bounds(&local_frame(row, shape));
+                let own = length(crate::collide::cast::children::most(low, high));
+                reach = if own > reach { own } else { reach };
+            }
+            next = shape.next;
+        }
+        reach
+    }
+
+    /// Where a body meets the first surface that it would pass, and the slot of its shape.
+    fn first_impact(&self, runner: &Runner<'_>) -> Option<(Impact, u32)> {
+        let mut best = Best { impact: None, slots: [0; 2] };
+        let mut next = runner.row.first_shape;
+        while let Some(shape) = self.state.shapes.get(next as usize) {
+            self.impact_of((next, shape), runner, &mut best);
+            next = shape.next;
+        }
+        best.impact.map(|impact| (impact, best.slots[1]))
+    }
+
+    /// The same for one of its shapes.
+    fn impact_of(&self, (slot, shape): (u32, &ShapeRow), runner: &Runner<'_>, best: &mut Best) {
+        let Some(parts) = Parts::new(&solid(shape, self.assets)) else { return };
+        let Runner { row, origin, course, .. } = runner;
         let local = local_frame(row, shape);
         let (low, high) = parts.bounds(&local);
         let reach = DVec3::splat(length(crate::collide::cast::children::most(low, high)) + SEARCH_MARGIN);
-        let span = length(course.way);
-        let direction = if span > 0.0 { course.way / span } else { DVec3::ZERO };
-        let from = origin.center.minus_wide(Position { sector: self.sector, offset: Vec3::ZERO });
-        let limit = |best: f64| if best < 1.0 { best * span } else { f64::MAX };
-        let mut best = best;
+        let way = course.way * (1.0 - course.from);
+        let span = length(way);
+        let direction = if span > 0.0 { way / span } else { DVec3::ZERO };
+        let home = Position { sector: self.sector, offset: Vec3::ZERO };
+        let from = origin.center.minus_wide(home) + course.start.position;
+        let limit = |best: &Best| match best.impact {
+            Some(impact) if impact.time < 1.0 => course.share(impact.time) * span,
+            _ => f64::MAX,
+        };
         for tree in &self.trees {
             let Some(way) = Way::new(tree, (from, direction, span), (-reach, reach)) else { continue };
             tree.search(
@@ -358,13 +412,12 @@ impl Chase<'_> {
                 |bounds| way.bound(bounds),
                 |other| {
                     if other != slot && self.stops(row, slot, other) {
-                        best = self.meet((&parts, &local), (origin, course), (other, best));
+                        self.meet((&parts, &local), runner, ([slot, other], best));
                     }
                     way.limit(limit(best))
                 },
             );
         }
-        best
     }
 
     /// True when a body is stopped at a shape.
@@ -375,28 +428,33 @@ impl Chase<'_> {
             && stand_in_the_way(self.state, [slot, other])
     }
 
-    /// The first meeting of a shape's parts with another shape, if it is before `best`.
+    /// The first meeting of a shape's parts with another shape.
     fn meet(
         &self,
         (parts, local): (&Parts<'_>, &Frame),
-        (origin, course): (&Motion, &Course),
-        (other, best): (u32, f64),
-    ) -> f64 {
-        let shape = &self.state.shapes[other as usize];
+        runner: &Runner<'_>,
+        (slots, best): ([u32; 2], &mut Best),
+    ) {
+        let center = runner.origin.center;
+        let shape = &self.state.shapes[slots[1] as usize];
         let index = shape.body as usize;
         let (row, motion) = (&self.state.bodies[index], &self.state.motions[index]);
-        let theirs = if row.kind() == BodyKind::Kinematic {
-            self::course(origin.center, (&self.origins[index], motion, row), self.dt)
+        let mut theirs = if row.kind() == BodyKind::Kinematic {
+            course(center, (&self.origins[index], motion, row), self.dt)
         } else {
-            Course::still(Frame::new(motion.center.minus_wide(origin.center), motion.rotation))
+            Course::still(Frame::new(motion.center.minus_wide(center), motion.rotation))
         };
+        if let Walls::At(time) = runner.walls {
+            theirs = Course::still(theirs.at(time));
+        }
         let wall: Rider<'_, Solid<'_>> =
             Rider { shape: solid(shape, self.assets), local: local_frame(row, shape), course: &theirs };
-        parts.at(local).fold(best, |best, (core, local)| {
-            let limit = if best < 1.0 { best } else { 1.0 };
-            impact(&wall, &Rider { shape: core, local, course }, limit)
-                .map_or(best, |time| if time < best { time } else { best })
-        })
+        for (core, local) in parts.at(local) {
+            let rider = Rider { shape: core, local, course: runner.course };
+            if let Some(found) = impact(&wall, &rider, best.limit()) {
+                best.add(found, slots);
+            }
+        }
     }
 }
 

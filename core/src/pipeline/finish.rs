@@ -135,12 +135,13 @@ impl Bodies<'_> {
         let (slot, motion, row) = (self.first + i, &mut self.motions[i], &mut self.rows[i]);
         let before = *motion;
         let way = results.store(slot, motion, row, &mut self.found);
-        if race.may_be_fast(way, motion) || row.has(CHANGED_SECTOR) {
+        let fast = race.is_fast(way, (motion, row));
+        if fast || row.has(CHANGED_SECTOR) {
             self.origins[i] = before;
-            if race.is_fast(way, (motion, row)) {
-                self.fast[self.found.fast] = slot as u32;
-                self.found.fast += 1;
-            }
+        }
+        if fast {
+            self.fast[self.found.fast] = slot as u32;
+            self.found.fast += 1;
         }
         if let Some(steps) = sleep {
             count_quiet(motion, row, race.settings.sleep_speed);

@@ -156,7 +156,7 @@ impl Look<'_> {
         let ruled = self.rules.concern(shapes);
         let acts = if ruled { self.rules.acts(shapes) } else { Acts::default() };
         let approach = if self.continuous {
-            Approach::new(&self.scene, &meeting, (slots, self.assets, self.dt))
+            Approach::new(&self.scene, &meeting, (slots, shapes, self.assets, self.dt))
         } else {
             Approach::Slow
         };
@@ -235,10 +235,17 @@ struct Found<'a> {
 
 impl Found<'_> {
     /// The memo of one of the pair's manifolds, found at a pose of B in A's frame less the way.
+    #[inline(always)]
     fn memo(&self, manifold: &Manifold, b_in_a: &Pose, settled: bool) -> Memo {
-        if self.way == Vec3::ZERO {
+        if self.approach == Approach::Slow || self.way == Vec3::ZERO {
             return meeting::memo(manifold, b_in_a, self.exchanged, settled);
         }
+        self.memo_ahead(manifold, b_in_a, settled)
+    }
+
+    /// The same of shapes that come from far.
+    #[inline(never)]
+    fn memo_ahead(&self, manifold: &Manifold, b_in_a: &Pose, settled: bool) -> Memo {
         let touch = Pose::new(b_in_a.position + self.way, b_in_a.rotation);
         let mut memo = meeting::memo(manifold, &touch, self.exchanged, settled);
         for (tail, point) in memo.tail.iter_mut().zip(&manifold.points) {

@@ -241,18 +241,21 @@ impl Sides {
             }
             frames_a[lane] = scene.frames[touch.shapes[0] as usize];
             frames_b[lane] = scene.frames[touch.shapes[1] as usize];
-            let settled = touch.settled == Touch::SETTLED;
-            let stances = if settled { scene.stances } else { scene.frames };
-            settles |= settled;
-            hurries |= touch.is_fast();
-            stances_a[lane] = stances[touch.shapes[0] as usize];
-            stances_b[lane] = stances[touch.shapes[1] as usize];
             memos[lane] = &scene.memos[contact];
             touches[lane] = words::<_, 1>(touch)[0];
             stored[lane] = words::<_, 2>(row)[1];
-            if touch.settled < 0.0 {
-                acts = true;
-                stored[lane] = without_resistance(row);
+            stances_a[lane] = frames_a[lane];
+            stances_b[lane] = frames_b[lane];
+            if touch.settled == Touch::SETTLED {
+                settles = true;
+                stances_a[lane] = scene.stances[touch.shapes[0] as usize];
+                stances_b[lane] = scene.stances[touch.shapes[1] as usize];
+            } else if !touch.is_plain() {
+                hurries |= touch.is_fast();
+                if touch.settled < 0.0 {
+                    acts = true;
+                    stored[lane] = without_resistance(row);
+                }
             }
             sign.set(lane, touch.sign());
             counts[lane] = row.tag.points() as u8;

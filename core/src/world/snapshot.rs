@@ -50,7 +50,7 @@ pub(super) const SECTIONS: usize = 25;
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
 /// The sections of a state, for the marks of a header.
-fn sections_of(s: &StateLayout, capacities: &Capacities, header: &Header) -> [Section; SECTIONS] {
+pub(super) fn sections_of(s: &StateLayout, capacities: &Capacities, header: &Header) -> [Section; SECTIONS] {
     let (bodies, shapes) = (header.bodies.high as usize, header.shapes.high as usize);
     let joints = header.joints.high as usize;
     macro_rules! section {

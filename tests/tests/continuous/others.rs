@@ -3,10 +3,12 @@
 use crate::shots::energy;
 use cellstep::math::{Rotation, Vec3};
 use cellstep::scene::builtin::Builtin;
-use cellstep::{AxisLocks, BodyDef, BodyHandle, BodyKind, Geometry, Position, Serial, Settings, ShapeDef};
+use cellstep::{
+    AxisLocks, BodyDef, BodyHandle, BodyKind, Capacities, Geometry, Position, Serial, Settings, ShapeDef,
+};
 use cellstep_tests::executors::Random;
 use cellstep_tests::oracles::{center, norm, velocity};
-use cellstep_tests::worlds::{OwnedWorld, add, ground, run, world};
+use cellstep_tests::worlds::{OwnedWorld, add, ground, run, world, world_with};
 
 const BALL: Geometry = Geometry::Sphere { radius: 0.005 };
 
@@ -170,7 +172,7 @@ fn grazing_impacts_gain_nothing() {
         }
     }
     println!("grazing impacts gain {worst:.1e} of their energy");
-    assert!(worst < 0.01, "{worst}");
+    assert!(worst < 0.001, "{worst}");
 }
 
 #[test]
@@ -218,22 +220,34 @@ fn slow_scenes_are_the_same_without() {
 #[test]
 fn what_rolls_and_slides_is_not_stopped() {
     // Fast for their size, and on the ground all the time.
-    let mut world = world(8);
+    let mut world = world_with(Capacities { hulls: 1, ..Capacities::for_bodies(8) });
     ground(&mut world, 0.5);
     let wheel = Geometry::Cylinder { half_height: 0.02, radius: 0.1 };
+    // Slender ones, whose ends are thin.
+    let corner = |i: u32| {
+        let side = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };
+        Vec3::new(0.3 * side(i & 1), 0.05 * side(i & 2), 0.02 * side(i & 4))
+    };
+    let brick = world.add_hull(&[0, 1, 2, 3, 4, 5, 6, 7].map(corner)).expect("a hull");
     let shapes = [
         (Geometry::Sphere { radius: 0.02 }, 0.02, Rotation::IDENTITY),
         (Geometry::Box { half_extents: Vec3::splat(0.02) }, 0.02, Rotation::IDENTITY),
         (wheel, 0.1, Rotation::from_axis_angle(Vec3::X, core::f32::consts::FRAC_PI_2)),
+        (Geometry::Box { half_extents: Vec3::new(0.3, 0.05, 0.02) }, 0.02, Rotation::IDENTITY),
+        (Geometry::Hull(brick), 0.02, Rotation::IDENTITY),
+        (Geometry::Cone { half_height: 0.02, radius: 0.2 }, 0.02, Rotation::IDENTITY),
     ];
     let speed = 20.0;
+    let mut place = 0.0;
     let bodies = shapes.map(|(geometry, height, rotation)| {
-        let spin = if let Geometry::Box { .. } = geometry { 0.0 } else { speed / height };
+        place += 1.0;
+        let rolls = matches!(geometry, Geometry::Sphere { .. } | Geometry::Cylinder { .. });
+        let spin = if rolls { speed / height } else { 0.0 };
         let def = BodyDef {
             rotation,
             linear_velocity: Vec3::new(speed, 0.0, 0.0),
             angular_velocity: Vec3::new(0.0, spin, 0.0),
-            ..BodyDef::new(BodyKind::Dynamic, Vec3::new(0.0, height * 20.0, height))
+            ..BodyDef::new(BodyKind::Dynamic, Vec3::new(0.0, place, height))
         };
         add(&mut world, &def, &ShapeDef::new(geometry)).0
     });
@@ -243,5 +257,6 @@ fn what_rolls_and_slides_is_not_stopped() {
     }
     assert_eq!(cut, 0, "stopped on the ground");
     let ways = bodies.map(|body| center(&world, body)[0]);
-    assert!(ways[0] > 9.8 && ways[2] > 9.8 && ways[1] > 8.0, "{ways:?}");
+    assert!(ways[0] > 9.8 && ways[2] > 9.8, "{ways:?}");
+    assert!([1, 3, 4, 5].iter().all(|&i| ways[i] > 8.0), "{ways:?}");
 }

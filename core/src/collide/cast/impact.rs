@@ -21,6 +21,7 @@
 //! soft, and what they leave of an overlap is no reason to stop.
 
 use super::children;
+use super::course::{Course, Rider, Turn};
 use super::frame::{Frame, length, widened};
 use super::gjk::Pair;
 use super::grid;
@@ -34,6 +35,13 @@ use glam::DVec3;
 const STEPS_MAX: usize = 96;
 /// Skins, as shares of the inner radius, that are taken off one after the other.
 const SKINS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
+/// Finer ones come before them if the first shortens the ends of a shape by more than this, metres: those of a
+/// slender cone or hull are thinner than the rest.
+const ENDS_MAX: f64 = 0.005;
+/// How thick the finer ones are, as multiples of the finest.
+const FINER: [f64; 3] = [1.0, 3.0, 9.0];
+/// How many skins there are of a shape.
+const LAYERS: usize = FINER.len() + SKINS.len();
 /// Gap at an impact as a share of the inner radius.
 const GAP_SHARE: f64 = 0.05;
 /// Least and greatest gap at an impact, metres: positions are resolved to 4 micrometres, and contacts are found
@@ -52,91 +60,6 @@ const WOBBLE_SHARE: f64 = 0.25;
 /// Shapes touch when they are nearer than this share of the gap.
 const TOUCH_SHARE: f64 = 1.0 / 16.0;
 
-/// A turn at a constant rate.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Turn {
-    /// Unit vector.
-    pub axis: DVec3,
-    /// Over the step, radians.
-    pub angle: f64,
-}
-
-impl Turn {
-    pub const NONE: Self = Self { axis: DVec3::Z, angle: 0.0 };
-
-    /// The turn with a rotation vector.
-    pub fn of(vector: DVec3) -> Self {
-        let angle = length(vector);
-        if angle == 0.0 { Self::NONE } else { Self { axis: vector / angle, angle } }
-    }
-}
-
-/// How a body goes through a step: its center straight ahead, its axes at constant rates. Time is a fraction of
-/// the step, and places are from a point that all courses share.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Course {
-    /// The body at the start: its center and axes.
-    pub start: Frame,
-    /// Way of the center over the step, metres.
-    pub way: DVec3,
-    /// The turn of the body, but for its twist.
-    pub swing: Turn,
-    /// The turn about an axis of the body, given as it stands at the start.
-    pub twist: Turn,
-    /// Where the body is at the end if that is not where its course leads.
-    pub end: Option<Frame>,
-    /// True for a body that is stopped only where the middle of a shape would pass.
-    pub held: bool,
-}
-
-impl Course {
-    /// One that stays.
-    pub fn still(frame: Frame) -> Self {
-        Self { start: frame, way: DVec3::ZERO, swing: Turn::NONE, twist: Turn::NONE, end: None, held: false }
-    }
-
-    /// The body at a time.
-    fn at(&self, time: f64) -> Frame {
-        let mut frame = self.start.at(self.start.position + self.way * time);
-        // The twist first: its axis swings.
-        for Turn { axis, angle } in [self.twist, self.swing] {
-            if angle != 0.0 {
-                frame = frame.turned(axis, angle * time);
-            }
-        }
-        frame
-    }
-
-    /// Rotation vector of the twist as it stands at a time.
-    fn twist_at(&self, time: f64) -> DVec3 {
-        if self.twist.angle == 0.0 {
-            return DVec3::ZERO;
-        }
-        let swing = Frame::IDENTITY.turned(self.swing.axis, self.swing.angle * time);
-        swing.turn(self.twist.axis) * self.twist.angle
-    }
-
-    /// The least angle that is certainly not exceeded by the turn of the step.
-    fn most(&self) -> f64 {
-        self.swing.angle.abs() + self.twist.angle.abs()
-    }
-}
-
-/// A shape of a body, convex for what moves.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rider<'a, S> {
-    pub shape: S,
-    /// Where it stands from the body's center.
-    pub local: Frame,
-    pub course: &'a Course,
-}
-
-impl<S> Rider<'_, S> {
-    fn at(&self, time: f64) -> Frame {
-        self.course.at(time).after(&self.local)
-    }
-}
-
 /// How two shapes are apart, in the axes of the courses.
 #[derive(Clone, Copy)]
 struct Gap {
@@ -150,14 +73,31 @@ struct Gap {
     point: DVec3,
 }
 
+impl Gap {
+    fn impact(&self, time: f64) -> Impact {
+        Impact { time, normal: self.normal, point: self.point }
+    }
+}
+
+/// Where a body is stopped.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Impact {
+    /// Fraction of the step.
+    pub time: f64,
+    /// Unit vector from the body to what stops it.
+    pub normal: DVec3,
+    /// A point of that which is nearest.
+    pub point: DVec3,
+}
+
 /// What an advance came to.
 enum Outcome {
     /// The shapes touch at its start.
     Touches,
     /// They do not meet.
     Clear,
-    /// They meet at this time.
-    Meets(f64),
+    /// They meet.
+    Meets(Impact),
 }
 
 /// The other shape, convex or a half-space.
@@ -173,7 +113,8 @@ struct Mover<'a> {
     local: Frame,
     /// Without a twist that the shape does not show.
     course: Course,
-    thinner: [Core<'a>; SKINS.len()],
+    skins: [f64; LAYERS],
+    thinner: [Core<'a>; LAYERS],
     /// Greatest distance of a point of the core from the axis of the swing, metres.
     lever: f64,
     /// And of a point of the shape from the body's center.
@@ -190,6 +131,7 @@ impl<'a> Mover<'a> {
         let most = |low: f64, high: f64| greater(-low, high);
         let corner = DVec3::new(most(low.x, high.x), most(low.y, high.y), most(low.z, high.z));
         let gap = lesser(greater(GAP_SHARE * core.inner_radius(), GAP_MIN), GAP_MAX);
+        let skins = skins(&core);
         let mut course = *rider.course;
         let reach = length(corner);
         let mut twist = 0.0;
@@ -213,7 +155,8 @@ impl<'a> Mover<'a> {
             core,
             local: rider.local,
             course,
-            thinner: SKINS.map(|share| core.eroded(share)),
+            skins,
+            thinner: skins.map(|share| core.eroded(share)),
             // A twist brings other points across the axis of the swing.
             lever: if twist == 0.0 { lever(rider, course.swing.axis) } else { reach },
             reach,
@@ -311,7 +254,7 @@ impl<'a> Mover<'a> {
         let mut target = self.gap;
         if found.distance <= target {
             if self.comes_nearer(wall.1, (time, &found)) {
-                return Outcome::Meets(time);
+                return Outcome::Meets(found.impact(time));
             }
             target = 0.75 * found.distance;
         }
@@ -321,7 +264,7 @@ impl<'a> Mover<'a> {
                 return Outcome::Clear;
             }
             if found.distance <= target {
-                return Outcome::Meets(time);
+                return Outcome::Meets(found.impact(time));
             }
             // Where rounding leaves no proof the distance itself is right to rounding.
             let proved = found.least - 0.5 * target;
@@ -330,54 +273,62 @@ impl<'a> Mover<'a> {
             if ahead > limit {
                 return Outcome::Clear;
             }
-            found = self.gap(core, wall, ahead);
-            if found.distance <= 0.0 {
+            let next = self.gap(core, wall, ahead);
+            if next.distance <= 0.0 {
                 // By rounding: they were apart just before.
-                return Outcome::Meets(time);
+                return Outcome::Meets(found.impact(time));
             }
-            time = ahead;
+            (found, time) = (next, ahead);
         }
-        Outcome::Meets(time)
+        Outcome::Meets(found.impact(time))
     }
 
-    /// When the shape meets a wall, as far as contacts alone cannot stop it; at most the limit.
-    fn meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
-        self.first_meeting(wall, limit).or_else(|| (limit >= 1.0 && self.ends_inside(wall)).then_some(1.0))
+    /// Where the shape meets a wall, as far as contacts alone cannot stop it; at most the limit.
+    fn meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<Impact> {
+        self.first_meeting(wall, limit).or_else(|| if limit >= 1.0 { self.ends_inside(wall) } else { None })
     }
 
-    /// True when the body's last place is no end of its course, and in the wall where its first place was not.
-    fn ends_inside(&self, wall: (&Wall<'_>, &Rider<'_, ()>)) -> bool {
-        let Some(end) = self.course.end else { return false };
-        let thinner = if self.course.held { &self.thinner[SKINS.len() - 1] } else { &self.thinner[0] };
+    /// The end, if the body's last place is no end of its course, and in the wall where its first place was not.
+    fn ends_inside(&self, wall: (&Wall<'_>, &Rider<'_, ()>)) -> Option<Impact> {
+        let end = self.course.end?;
+        let thinner = if self.course.held { &self.thinner[LAYERS - 1] } else { &self.thinner[0] };
         let last = Self { course: Course::still(end), ..*self };
-        last.gap(thinner, wall, 1.0).distance <= 0.0 && self.gap(thinner, wall, 0.0).distance > 0.0
+        let found = last.gap(thinner, wall, 1.0);
+        let enters = found.distance <= 0.0 && self.gap(thinner, wall, 0.0).distance > 0.0;
+        enters.then(|| found.impact(1.0))
     }
 
-    fn first_meeting(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+    fn first_meeting(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<Impact> {
+        let from = self.course.from;
         if self.course.held {
             let [.., thinnest] = &self.thinner;
-            return match self.advance(thinnest, wall, (0.0, limit)) {
-                Outcome::Meets(time) => Some(time),
+            return match self.advance(thinnest, wall, (from, limit)) {
+                Outcome::Meets(impact) => Some(impact),
                 Outcome::Clear | Outcome::Touches => None,
             };
         }
-        match self.advance(&self.core, wall, (0.0, limit)) {
+        match self.advance(&self.core, wall, (from, limit)) {
             Outcome::Clear => None,
-            Outcome::Meets(time) => {
+            Outcome::Meets(impact) => {
                 let [skinless, ..] = &self.thinner;
-                match self.advance(skinless, wall, (time, 1.0)) {
+                match self.advance(skinless, wall, (impact.time, 1.0)) {
                     Outcome::Clear => None,
                     // Into the skin rather than not at all: an overlap is what contacts push out.
-                    Outcome::Meets(later) if time < EARLY => Some(lesser(later, EARLY)),
-                    _ => Some(time),
+                    Outcome::Meets(later) if impact.time - from < EARLY => {
+                        Some(Impact { time: lesser(later.time, from + EARLY), ..impact })
+                    }
+                    _ => Some(impact),
                 }
             }
             Outcome::Touches => {
-                for core in &self.thinner {
-                    match self.advance(core, wall, (0.0, limit)) {
+                for (i, core) in self.thinner.iter().enumerate() {
+                    if i > 0 && self.skins[i] == self.skins[i - 1] {
+                        continue;
+                    }
+                    match self.advance(core, wall, (from, limit)) {
                         Outcome::Touches => {}
                         Outcome::Clear => return None,
-                        Outcome::Meets(time) => return Some(time),
+                        Outcome::Meets(impact) => return Some(impact),
                     }
                 }
                 self.middle_meets(wall, limit)
@@ -385,12 +336,12 @@ impl<'a> Mover<'a> {
         }
     }
 
-    /// When the middle of a shape that touches a wall with all that is left of it does so.
-    fn middle_meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<f64> {
+    /// Where the middle of a shape that touches a wall with all that is left of it does so.
+    fn middle_meets(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<Impact> {
         let local = self.local.at(self.local.transform(self.core.middle()));
         let point = Self { core: Core::POINT, local, ..*self };
-        match point.advance(&point.core, wall, (0.0, limit)) {
-            Outcome::Meets(time) => Some(time),
+        match point.advance(&point.core, wall, (self.course.from, limit)) {
+            Outcome::Meets(impact) => Some(impact),
             Outcome::Clear | Outcome::Touches => None,
         }
     }
@@ -398,7 +349,7 @@ impl<'a> Mover<'a> {
     /// The way of the moving body's center in the frame of the other shape: where it starts, its unit direction
     /// and its length; and how far from the center anything can be met.
     fn way(&self, other: &Rider<'_, ()>) -> ((DVec3, DVec3, f64), (DVec3, DVec3)) {
-        let (first, last) = (other.at(0.0), other.at(1.0));
+        let (first, last) = (other.at(self.course.from), other.at(1.0));
         let from = first.untransform(self.course.start.position);
         let to = last.untransform(self.course.at(1.0).position);
         let span = length(to - from);
@@ -410,9 +361,13 @@ impl<'a> Mover<'a> {
     }
 }
 
-/// When a convex shape meets another body's shape so that contacts alone may not stop it: the fraction of the step
-/// at which they are a small gap apart. Meetings later than `limit` may be left out.
-pub(crate) fn impact(other: &Rider<'_, Solid<'_>>, rider: &Rider<'_, Core<'_>>, limit: f64) -> Option<f64> {
+/// Where a convex shape meets another body's shape so that contacts alone may not stop it: at the fraction of the
+/// step at which they are a small gap apart. Meetings later than `limit` may be left out.
+pub(crate) fn impact(
+    other: &Rider<'_, Solid<'_>>,
+    rider: &Rider<'_, Core<'_>>,
+    limit: f64,
+) -> Option<Impact> {
     let mover = Mover::new(rider);
     let place = Rider { shape: (), local: other.local, course: other.course };
     match other.shape {
@@ -431,18 +386,53 @@ pub(crate) fn impact(other: &Rider<'_, Solid<'_>>, rider: &Rider<'_, Core<'_>>, 
         }
         Solid::HeightField(field) => {
             let (way, bounds) = mover.way(&place);
-            let mut best: Option<f64> = None;
+            let mut first = First::until(limit);
             let most = way.2;
-            grid::along(&field, way, bounds, reach(limit, most), |_, corners| {
+            grid::along(&field, way, bounds, first.reach(&mover.course, most), |_, corners| {
                 let wall = Wall::Convex(Core::triangle(corners));
-                let within = best.unwrap_or(limit);
-                best = mover.meets((&wall, &place), within).or(best);
-                reach(best.unwrap_or(limit), most)
+                first.add(mover.meets((&wall, &place), first.limit));
+                first.reach(&mover.course, most)
             });
-            best
+            first.impact
         }
         _ => mover.meets((&Wall::Convex(Core::new(&other.shape)?), &place), limit),
     }
+}
+
+/// The first impact of those found.
+#[derive(Clone, Copy)]
+pub(crate) struct First {
+    pub impact: Option<Impact>,
+    /// What comes later is no longer looked for.
+    pub limit: f64,
+}
+
+impl First {
+    /// None yet; none after `limit` will be asked for.
+    pub fn until(limit: f64) -> Self {
+        Self { impact: None, limit }
+    }
+
+    /// Takes an impact if it is earlier than the one before.
+    pub fn add(&mut self, found: Option<Impact>) {
+        if let Some(impact) = found.filter(|impact| self.impact.is_none() || impact.time < self.limit) {
+            (self.impact, self.limit) = (found, impact.time);
+        }
+    }
+
+    /// How far along a way of this length there may be an earlier one, metres; without end before any is found.
+    pub fn reach(&self, course: &Course, length: f64) -> f64 {
+        if self.limit < 1.0 { course.share(self.limit) * length } else { f64::MAX }
+    }
+}
+
+/// The skins that are taken off a shape, as shares of its inner radius; some twice.
+fn skins(core: &Core<'_>) -> [f64; LAYERS] {
+    let ends = core.ends();
+    let finest = if SKINS[0] * ends > ENDS_MAX { ENDS_MAX / ends } else { SKINS[0] };
+    let [a, b, c] = FINER.map(|times| lesser(times * finest, SKINS[0]));
+    let [d, e, f, g] = SKINS;
+    [a, b, c, d, e, f, g]
 }
 
 /// The greatest distance of a point of a shape's core from an axis through its body's center, at the start,
@@ -460,17 +450,12 @@ fn lever(rider: &Rider<'_, Core<'_>>, axis: DVec3) -> f64 {
     libm::sqrt(x * x + y * y)
 }
 
-/// How far along a way a fraction of the step reaches, metres; without end where there is no way.
-fn reach(time: f64, length: f64) -> f64 {
-    if time < 1.0 { time * length } else { f64::MAX }
-}
-
 fn along_tree<'a>(
     tree: &Tree<'_>,
     (mover, place): (&Mover<'_>, &Rider<'_, ()>),
     limit: f64,
     wall: impl Fn(u32) -> Option<(Wall<'a>, Rider<'a, ()>)>,
-) -> Option<f64> {
+) -> Option<Impact> {
     along_grown(tree, (mover, place, 0.0), limit, wall)
 }
 
@@ -480,22 +465,22 @@ fn along_grown<'a>(
     (mover, place, slack): (&Mover<'_>, &Rider<'_, ()>, f64),
     limit: f64,
     wall: impl Fn(u32) -> Option<(Wall<'a>, Rider<'a, ()>)>,
-) -> Option<f64> {
+) -> Option<Impact> {
     let (course, (low, high)) = mover.way(place);
     let most = course.2;
     let way = Way::new(tree, course, (low - DVec3::splat(slack), high + DVec3::splat(slack)))?;
-    let mut best: Option<f64> = None;
+    let mut first = First::until(limit);
     tree.search(
-        way.limit(reach(limit, most)),
+        way.limit(first.reach(&mover.course, most)),
         |bounds| way.bound(bounds),
         |index| {
             if let Some((wall, rider)) = wall(index) {
-                best = mover.meets((&wall, &rider), best.unwrap_or(limit)).or(best);
+                first.add(mover.meets((&wall, &rider), first.limit));
             }
-            way.limit(reach(best.unwrap_or(limit), most))
+            way.limit(first.reach(&mover.course, most))
         },
     );
-    best
+    first.impact
 }
 
 fn lesser(a: f64, b: f64) -> f64 {
@@ -518,7 +503,7 @@ mod tests {
     fn meeting(wall: Solid<'_>, course: &Course) -> Option<f64> {
         let still = Course::still(Frame::IDENTITY);
         let wall = Rider { shape: wall, local: Frame::IDENTITY, course: &still };
-        impact(&wall, &Rider { shape: rod(), local: Frame::IDENTITY, course }, 1.0)
+        impact(&wall, &Rider { shape: rod(), local: Frame::IDENTITY, course }, 1.0).map(|impact| impact.time)
     }
 
     fn at(place: DVec3) -> Course {

@@ -105,6 +105,19 @@ impl<'a> Core<'a> {
             }
     }
 
+    /// By how much the shape's farthest ends are shorter when all of the inner radius is taken off, metres.
+    pub fn ends(&self) -> f64 {
+        self.radius
+            + match &self.kind {
+                Kind::Shape(support::Core::Cylinder { .. }) => self.inner_radius() * libm::sqrt(2.0),
+                // A segment and a point lose nothing but their radius.
+                Kind::Shape(core) if core.inner_ball().1 > 0.0 => core.outer_radius(),
+                Kind::Shape(_) => 0.0,
+                Kind::Box(_) => self.inner_radius() * libm::sqrt(3.0),
+                Kind::Triangle(_) | Kind::Scaled(..) => 0.0,
+            }
+    }
+
     /// What is left of the shape when a skin is taken off, `share` of the inner radius thick. Of a hull that is
     /// much longer than wide its ends lose more.
     pub fn eroded(&self, share: f64) -> Self {
