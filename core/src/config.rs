@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::event::EventKinds;
 use crate::math::Vec3;
+use crate::state::{Field, fields};
 use crate::validate;
 use bytemuck::{Pod, Zeroable};
 
@@ -190,6 +191,29 @@ pub(crate) struct SettingsRow {
     events: u32,
     hit_speed: f32,
     moved_list: u32,
+}
+
+impl SettingsRow {
+    /// Names of the fields, for `state/fields.rs`.
+    pub const FIELDS: &[Field] = fields!(SettingsRow {
+        dt: F32 1,
+        gravity: F32 3,
+        substeps: U32 1,
+        sweeps: U32 1,
+        relax_sweeps: U32 1,
+        inner_sweeps: U32 1,
+        modes: U32 1,
+        contact_frequency: F32 1,
+        contact_damping_ratio: F32 1,
+        push_speed: F32 1,
+        restitution_threshold: F32 1,
+        block_links: U32 1,
+        sleep_time: F32 1,
+        sleep_speed: F32 1,
+        events: U32 1,
+        hit_speed: F32 1,
+        moved_list: U32 1,
+    });
 }
 
 impl From<&Settings> for SettingsRow {

@@ -100,10 +100,17 @@ pub enum SnapshotError {
         /// The version in the bytes.
         found: u32,
     },
-    /// Made by a world with other capacities: overflow rules depend on them, so they must be the same.
+    /// Made by a world with other capacities, see [`Capacities::layout_hash`](crate::Capacities::layout_hash):
+    /// overflow rules depend on them, so they must be the same.
     Capacities,
-    /// Made with another set of assets: register the same assets in the same order.
+    /// Made with another set of assets, see [`World::assets_hash`](crate::World::assets_hash): register the same
+    /// assets in the same order.
     Assets,
+    /// The ring has no snapshot of this step (any more): save at each step, or make the ring deeper.
+    NotKept {
+        /// The step that was asked for.
+        step: u64,
+    },
     /// The content hash does not match the bytes: damaged on the way.
     Damaged,
     /// A row breaks a rule of the state.
@@ -159,6 +166,7 @@ impl fmt::Display for SnapshotError {
             }
             SnapshotError::Capacities => write!(f, "the snapshot is of a world with other capacities"),
             SnapshotError::Assets => write!(f, "the snapshot is of a world with other assets"),
+            SnapshotError::NotKept { step } => write!(f, "no snapshot of step {step} is kept"),
             SnapshotError::Damaged => write!(f, "the snapshot's content does not match its hash"),
             SnapshotError::Invalid { section, index } => {
                 write!(f, "row {index} of section `{section}` of the snapshot breaks a rule")

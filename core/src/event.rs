@@ -19,6 +19,7 @@
 use crate::body::Position;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::math::Vec3;
+use crate::state::{Field, fields};
 use crate::validate;
 use bytemuck::{Pod, Zeroable};
 
@@ -191,6 +192,20 @@ pub(crate) struct EventRow {
     first: f32,
     /// Impulse of a hit, N s; torque on a joint, N m.
     second: f32,
+}
+
+impl EventRow {
+    /// Names of the fields, for `state/fields.rs`.
+    pub const FIELDS: &[Field] = fields!(EventRow {
+        kind: U32 1,
+        shapes: U32 4,
+        bodies: U32 4,
+        point.sector: I32 3,
+        point.offset: F32 3,
+        normal: F32 3,
+        first: F32 1,
+        second: F32 1,
+    });
 }
 
 const WOKE: u32 = 1;

@@ -203,35 +203,39 @@ impl Neg for Lane {
 
 /// Rows become columns. By quarters, because the four-wide transposition is fast without AVX too.
 #[inline(always)]
-fn turn_over(rows: [f32x8; LANES]) -> [f32x8; LANES] {
-    let [a, b, c, d, e, f, g, h] = rows.map(bytemuck::cast::<_, [f32x4; 2]>);
+fn turn_over([a, b, c, d, e, f, g, h]: [[f32x4; 2]; LANES]) -> [[f32x4; 2]; LANES] {
     let low = f32x4::transpose([a[0], b[0], c[0], d[0]]);
     let high = f32x4::transpose([e[0], f[0], g[0], h[0]]);
     let next_low = f32x4::transpose([a[1], b[1], c[1], d[1]]);
     let next_high = f32x4::transpose([e[1], f[1], g[1], h[1]]);
-    let join = |low: f32x4, high: f32x4| bytemuck::cast([low, high]);
     [
-        join(low[0], high[0]),
-        join(low[1], high[1]),
-        join(low[2], high[2]),
-        join(low[3], high[3]),
-        join(next_low[0], next_high[0]),
-        join(next_low[1], next_high[1]),
-        join(next_low[2], next_high[2]),
-        join(next_low[3], next_high[3]),
+        [low[0], high[0]],
+        [low[1], high[1]],
+        [low[2], high[2]],
+        [low[3], high[3]],
+        [next_low[0], next_high[0]],
+        [next_low[1], next_high[1]],
+        [next_low[2], next_high[2]],
+        [next_low[3], next_high[3]],
     ]
+}
+
+/// Something of each lane. Written out: through an array's `map` the compiler makes copies of what is large.
+#[inline(always)]
+pub fn each_lane<T>(of: impl Fn(usize) -> T) -> [T; LANES] {
+    [of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)]
 }
 
 /// The words of eight things, word by word.
 #[inline(always)]
 pub fn transpose(rows: [Words; LANES]) -> [Lane; 8] {
-    turn_over(rows.map(|row| row.0)).map(Lane)
+    bytemuck::cast(turn_over(bytemuck::cast(rows)))
 }
 
 /// Undoes [`transpose`].
 #[inline(always)]
 pub fn transpose_back(words: [Lane; 8]) -> [Words; LANES] {
-    turn_over(words.map(|word| word.0)).map(Words)
+    bytemuck::cast(turn_over(bytemuck::cast(words)))
 }
 
 /// A vector in every lane.

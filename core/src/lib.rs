@@ -9,10 +9,12 @@
 pub mod cells;
 pub mod clock;
 pub mod collide;
+pub mod command;
 pub mod config;
 pub mod debug;
 pub mod executor;
 pub mod math;
+pub mod observe;
 
 mod arena;
 mod body;
@@ -35,6 +37,7 @@ mod world;
 pub use arena::Line;
 pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
 pub use clock::Clock;
+pub use command::{Applied, Command, CommandError};
 pub use config::{BEHAVIOUR_VERSION, ContactModel, Settings};
 pub use debug::{DebugDraw, DebugLayers, DebugOptions};
 pub use error::{Error, SnapshotError};
@@ -47,11 +50,15 @@ pub use handle::{
 };
 pub use joint::{Axis, AxisMotion, Coupling, Drive, JointDef, Spring};
 pub use material::{MaterialTraits, Mix, PairMaterial};
+pub use observe::{Observer, StageView};
 pub use query::{
     BodyKinds, ClosestPoint, Found, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region,
     ShapeCast,
 };
 pub use report::StepReport;
 pub use shape::{Filter, Geometry, ShapeDef};
-pub use state::Surface;
-pub use world::{Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, World, WorldManifold};
+pub use state::{Field, FieldKind, Surface};
+pub use world::{
+    Capacities, CompoundChild, Contact, ContactPoint, HeightFieldDef, SnapshotHeader, SnapshotRing,
+    SnapshotSection, World, WorldManifold, xxh64,
+};

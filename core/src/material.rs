@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use crate::math::{Vec3, length, max, min, normalize_or, sqrt};
+use crate::state::{Field, fields};
 use crate::validate;
 use bytemuck::{Pod, Zeroable};
 
@@ -218,6 +219,15 @@ pub(crate) struct PairRule {
 }
 
 impl PairRule {
+    /// Names of the fields, for `state/fields.rs`.
+    pub const FIELDS: &[Field] = fields!(PairRule {
+        kind: U32 1,
+        slots: U32 2,
+        given: U32 1,
+        friction: F32 1,
+        restitution: F32 1,
+    });
+
     pub fn material(slots: [u32; 2], material: &PairMaterial) -> Self {
         Self {
             kind: RULE_MATERIAL,

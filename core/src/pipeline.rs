@@ -8,6 +8,7 @@
 pub(crate) mod approach;
 pub(crate) mod articulations;
 pub(crate) mod assembly;
+pub(crate) mod balls;
 pub(crate) mod broadphase;
 pub(crate) mod contacts;
 pub(crate) mod continuous;
@@ -35,6 +36,7 @@ use crate::collide::Solid;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
 use crate::math::Vec3;
+use crate::observe::{Observer, StageView};
 use crate::pool;
 use crate::report::StepReport;
 use crate::shape::{
@@ -82,7 +84,7 @@ pub(crate) struct Regions<'a> {
 pub(crate) fn step<E: Executor, S: Scheduler>(
     regions: &mut Regions<'_>,
     settings: &Settings,
-    executor: &mut E,
+    (executor, observer): (&mut E, &mut impl Observer),
     scheduler: Option<&mut S>,
 ) -> StepReport {
     let Regions { assets, state, cache, scratch } = regions;
@@ -95,6 +97,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     }
     // Bodies move: the trees' boxes are no longer around the shapes.
     cache.header[0].queried = 0;
+    contacts::place_memos(state, cache);
     let header = &state.header[0];
     let links = header.contacts + header.joints.count;
     let is_alone = links < ALONE_CONTACTS && header.bodies.count < ALONE_BODIES;
@@ -106,37 +109,25 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     }
     let woken = sleep::wake(state, (assets, settings.dt), (cache, scratch), &mut counts);
     events::roused(state, &mut counts);
+    observer.after(Stage::Broadphase, &StageView::new(state));
     crew.executor.enter(Stage::Narrowphase);
     let looks = (&*assets, settings, moved, woken);
     let change = narrowphase::run(state, looks, (cache, scratch), (&mut crew, &mut counts));
     events::contacts(state, scratch, &mut counts);
+    observer.after(Stage::Narrowphase, &StageView::new(state));
     crew.executor.enter(Stage::Islands);
     let links = activate(state, (cache, scratch), &mut crew);
+    observer.after(Stage::Islands, &StageView::new(state));
     crew.executor.enter(Stage::Ordering);
     let plan = ordering::run(state, (cache, scratch), (&change, links, settings), scheduler);
+    observer.after(Stage::Ordering, &StageView::new(state));
     crew.executor.enter(Stage::Assembly);
     assembly::prepare_bodies(state, scratch, (settings, links.bodies), &mut crew);
     assembly::fill(state, (cache, scratch), (settings, &plan), &mut crew);
+    observer.after(Stage::Assembly, &StageView::with_rows(state, scratch, &plan));
     crew.executor.enter(Stage::Solve);
-    let mut rows = solver::Rows {
-        plan: &plan,
-        groups: &cache.groups[..plan.groups],
-        links: scratch.link_rows,
-        points: scratch.point_rows,
-        resists: scratch.resist_rows,
-        joints: JointRows {
-            links: scratch.joint_links,
-            locks: scratch.lock_rows,
-            bounds: scratch.bound_rows,
-            nodes: scratch.node_rows,
-            blocks: scratch.block_rows,
-        },
-        patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
-        seats: scratch.seats,
-        sources: cache.seat_sources,
-        movers: scratch.movers,
-    };
-    solver::solve(&mut rows, settings, &mut crew);
+    solve((cache, scratch), &plan, settings, &mut crew);
+    observer.after(Stage::Solve, &StageView::with_rows(state, scratch, &plan));
     crew.executor.enter(Stage::Finish);
     events::hits(state, (cache, scratch), (&plan, settings), &mut counts);
     let joints = (&plan, links.held(), settings.substep());
@@ -149,8 +140,38 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     if let Some(steps) = settings.sleep_steps().filter(|_| counts.ready > 0) {
         sleep::fall(state, (cache, scratch), (links, steps), &mut counts);
     }
+    observer.after(Stage::Finish, &StageView::new(state));
     crew.executor.leave();
     report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers))
+}
+
+/// Sweeps over the rows.
+fn solve<E: Executor>(
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    plan: &Plan,
+    settings: &Settings,
+    crew: &mut Crew<'_, E>,
+) {
+    let mut rows = solver::Rows {
+        plan,
+        groups: &cache.groups[..plan.groups],
+        links: scratch.link_rows,
+        points: scratch.point_rows,
+        resists: scratch.resist_rows,
+        joints: JointRows {
+            balls: scratch.ball_rows,
+            links: scratch.joint_links,
+            locks: scratch.lock_rows,
+            bounds: scratch.bound_rows,
+            nodes: scratch.node_rows,
+            blocks: scratch.block_rows,
+        },
+        patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
+        seats: scratch.seats,
+        sources: cache.seat_sources,
+        movers: scratch.movers,
+    };
+    solver::solve(&mut rows, settings, crew);
 }
 
 /// Lists the bodies that take part in the solve, and the links between them.

@@ -5,6 +5,7 @@
 //! never bits. **Scratch** is made anew by each step.
 
 mod assets;
+mod fields;
 
 use crate::arena::region;
 use crate::body::{BodyRow, Motion};
@@ -13,11 +14,12 @@ pub(crate) use crate::collide::hull::HullRow;
 use crate::collide::tree;
 use crate::config::SettingsRow;
 use crate::constraint::joint::{
-    BlockRow, BlockSpec, BoundRow, JointLink, LockRow, Member, NodeRow, NodeSpec, blocks_max, nodes_max,
+    BallRow, BlockRow, BlockSpec, BoundRow, JointLink, LockRow, Member, NodeRow, NodeSpec, blocks_max,
+    nodes_max,
 };
 use crate::constraint::row::{LinkRow, PointRow, ResistRow};
 use crate::event::{BodyNews, EventRow, Tenant, Visit};
-use crate::joint::JointRow;
+use crate::joint::{AxisRow, JointRow};
 use crate::lanes::Words;
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Aabb, Rotation, Vec3};
@@ -34,6 +36,8 @@ pub use assets::Surface;
 pub(crate) use assets::{
     AssetTables, Assets, AssetsLayout, CompoundRow, HeightFieldRow, MeshRow, SurfaceRun,
 };
+pub(crate) use fields::fields;
+pub use fields::{Field, FieldKind};
 
 /// Marks of all pools, settings and counters: the first section of the state.
 #[repr(C)]
@@ -213,6 +217,7 @@ region! {
         /// Changes of the ordering near each body.
         dirt: u8 = c.bodies as usize,
         joints: JointRow = c.joints as usize,
+        joint_axes: [AxisRow; 6] = c.joints as usize,
         joint_generations: u32 = c.joints as usize,
         joint_used: u64 = words(c.joints as usize),
         /// The first joint of each body: its slot plus 1, or 0. Of no length without joints.
@@ -233,6 +238,19 @@ region! {
     }
 }
 
+/// The memo of each contact is in its place.
+pub(crate) const MEMOS_FIT: u32 = 1;
+/// After a restore: where the memo of each settled contact is stands in `memo_sources`.
+pub(crate) const MEMOS_LISTED: u32 = 2;
+/// Memos are in their places, but for those that are marked as unknown.
+pub(crate) const MEMOS_MARKED: u32 = 3;
+/// In `memo_sources`: the memo must be found again.
+pub(crate) const NO_MEMO: u32 = u32::MAX;
+/// The ordering is that of the contacts in the state.
+pub(crate) const ORDERING_FITS: u32 = 1;
+/// After a restore: the ordering, and the layout with it, are of a state before. The next step compares.
+pub(crate) const ORDERING_UNCHECKED: u32 = 2;
+
 /// What the trees of the broadphase were built from.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -241,7 +259,8 @@ pub(crate) struct CacheHeader {
     pub static_stamp: u64,
     /// 1 when the tree of moving shapes fits the fat boxes in the state.
     pub moving_fits: u32,
-    /// 1 when the memos are those of the contacts in the state.
+    /// Whether the memos are those of the contacts in the state: 0, [`MEMOS_FIT`], or [`MEMOS_LISTED`], or
+    /// [`MEMOS_MARKED`] within a step.
     pub memos_fit: u32,
     /// Which half of the memos is in use: 0 or 1.
     pub memo_half: u32,
@@ -251,7 +270,7 @@ pub(crate) struct CacheHeader {
     pub laid_out_bodies: u32,
     pub static_leaves: u32,
     pub moving_leaves: u32,
-    /// 1 when `ordering` is that of the contacts in the state.
+    /// Whether `ordering` is that of the contacts in the state: 0, [`ORDERING_FITS`] or [`ORDERING_UNCHECKED`].
     pub ordering_fits: u32,
     /// Sector in which both trees count their coordinates.
     pub sector: [i32; 3],
@@ -281,6 +300,8 @@ region! {
         moving_order: u32 = c.shapes as usize,
         /// Of the contacts, in two halves of which one is in use.
         memos: Memo = 2 * c.contacts as usize,
+        /// After a restore: the place of each contact's memo, or `NO_MEMO`.
+        memo_sources: u32 = c.contacts as usize,
         /// What follows from the ordering in the state.
         ordering: u32 = cells::upkeep_words(c.bodies as usize, links_max(c)),
         /// Slots of the joints among the links of the last update of the ordering.
@@ -325,8 +346,8 @@ region! {
 pub(crate) struct Memo {
     /// Unit normal from A to B in A's frame.
     pub normal: Vec3,
-    /// Zero.
-    pub reserved: f32,
+    /// 0, or 1 while the memo must be found again.
+    pub is_unknown: u32,
     /// The points on A's surface, in A's frame.
     pub on_a: [Vec3; 4],
     /// The points on B's surface, in B's frame.
@@ -500,6 +521,7 @@ region! {
         order: u32 = links_max(c),
         blocks: Block = links_max(c),
         ordering: u32 = cells::upkeep_scratch_words(c.bodies as usize, links_max(c)),
+        ball_rows: BallRow = c.joints as usize,
         joint_links: JointLink = c.joints as usize,
         lock_rows: LockRow = 6 * c.joints as usize,
         bound_rows: BoundRow = JOINT_BOUNDS * c.joints as usize,
@@ -507,8 +529,8 @@ region! {
         node_rows: NodeRow = nodes_max(c.joints as usize),
         block_rows: BlockRow = blocks_max(c.joints as usize),
         joint_keys: u64 = c.joints as usize,
-        /// First lock and first bound of each row of joints.
-        joint_firsts: [u32; 2] = c.joints as usize,
+        /// Where each row of joints is, and its first lock and bound; `EMPTY` for those of plain balls.
+        joint_firsts: [u32; 3] = c.joints as usize,
         link_rows: LinkRow = c.contacts as usize,
         /// Resistance of each row of links that has some.
         resist_rows: ResistRow = if c.materials == 0 { 0 } else { c.contacts as usize },

@@ -3,16 +3,19 @@
 mod assets;
 mod bodies;
 mod checksum;
+mod commands;
 mod compounds;
 mod contacts;
 mod debug;
 mod events;
+mod fields;
 mod forces;
 mod height_fields;
 mod joints;
 mod load;
 mod materials;
 mod queries;
+mod ring;
 mod shapes;
 mod sleep;
 mod snapshot;
@@ -22,6 +25,7 @@ use crate::cells::{Cellular, Scheduler};
 use crate::config::{Settings, SettingsRow};
 use crate::error::Error;
 use crate::executor::Executor;
+use crate::observe::Observer;
 use crate::pipeline::{self, Regions};
 use crate::report::StepReport;
 use crate::state::{
@@ -30,9 +34,12 @@ use crate::state::{
 };
 use bytemuck::Zeroable;
 
+pub use checksum::hash as xxh64;
 pub use compounds::CompoundChild;
 pub use contacts::{Contact, ContactPoint, WorldManifold};
 pub use height_fields::HeightFieldDef;
+pub use ring::SnapshotRing;
+pub use snapshot::{SnapshotHeader, SnapshotSection};
 
 /// How much a world can hold. Part of the behaviour: what does not fit is dropped by rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,6 +174,7 @@ pub struct World<M> {
     memory: M,
     layout: Layout,
     capacities: Capacities,
+    layout_hash: u64,
 }
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
@@ -186,7 +194,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         }
         let kept = layout.assets.bytes + layout.state.bytes;
         memory.as_mut()[..kept / LINE].fill(Line::ZERO);
-        let mut world = Self { memory, layout, capacities };
+        let mut world = Self { memory, layout, capacities, layout_hash: capacities.layout_hash() };
         world.header_mut().settings = SettingsRow::from(&Settings::default());
         world.drop_caches();
         Ok(world)
@@ -231,7 +239,16 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
 
     /// Takes one step of [`Settings::dt`] seconds. Cannot fail; what could not be done is counted in the report.
     pub fn step(&mut self, executor: &mut impl Executor) -> StepReport {
-        self.step_with(executor, None::<&mut Cellular>)
+        self.step_with((executor, &mut ()), None::<&mut Cellular>)
+    }
+
+    /// [`World::step`], with somebody who looks at the state after each stage. Steps of no length have no stages.
+    pub fn step_observed(
+        &mut self,
+        executor: &mut impl Executor,
+        observer: &mut impl Observer,
+    ) -> StepReport {
+        self.step_with((executor, observer), None::<&mut Cellular>)
     }
 
     /// Takes one step with another ordering of the links than the cellular one: for comparing orderings.
@@ -243,12 +260,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         executor: &mut impl Executor,
         scheduler: &mut impl Scheduler,
     ) -> StepReport {
-        self.step_with(executor, Some(scheduler))
+        self.step_with((executor, &mut ()), Some(scheduler))
     }
 
     fn step_with(
         &mut self,
-        executor: &mut impl Executor,
+        (executor, observer): (&mut impl Executor, &mut impl Observer),
         scheduler: Option<&mut impl Scheduler>,
     ) -> StepReport {
         let settings = self.settings();
@@ -256,7 +273,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             // Nothing in the scratch may survive from the step before.
             self.scratch_mut().fill(0xff);
         }
-        pipeline::step(&mut self.regions(), &settings, executor, scheduler)
+        pipeline::step(&mut self.regions(), &settings, (executor, observer), scheduler)
     }
 
     /// Forgets everything that is derived from the state. Costs time in the next step, never changes a bit.

@@ -30,12 +30,15 @@
 //! # Features
 //!
 //! - `scene`: `scene` documents in JSON, meshes from OBJ files, built-in scenes; `mjcf`: models in MuJoCo's format.
+//! - `delta`: `delta`, what turns one snapshot into another, compressed.
 //! - `cli`: the command `cellstep`; implies `scene`.
 //!
 //! No feature changes any result.
 
 #![deny(unsafe_code)]
 
+#[cfg(feature = "delta")]
+pub mod delta;
 mod epoch;
 pub mod float_mode;
 #[allow(unsafe_code)]
@@ -44,6 +47,7 @@ mod memory;
 #[cfg(feature = "scene")]
 pub mod mjcf;
 pub mod pool;
+pub mod replay;
 #[cfg(feature = "scene")]
 pub mod scene;
 mod spin;
@@ -65,4 +69,20 @@ pub fn new_world(capacities: Capacities) -> Result<World<Memory>, Error> {
     capacities.check()?;
     let needed = capacities.lines();
     World::new(Memory::zeroed(needed).ok_or(Error::MemoryTooSmall { needed, given: 0 })?, capacities)
+}
+
+/// Makes a ring of `depth` snapshots on memory from the heap. Saving allocates nothing, and room that no snapshot
+/// fills costs nothing, see [`Memory`].
+///
+/// # Errors
+/// Those of [`SnapshotRing::new`]; [`Error::MemoryTooSmall`] with nothing given when the system has not so much
+/// memory.
+pub fn new_ring(capacities: &Capacities, depth: usize) -> Result<SnapshotRing<Memory>, Error> {
+    capacities.check()?;
+    let needed = SnapshotRing::<Memory>::lines(capacities, depth);
+    SnapshotRing::new(
+        Memory::zeroed(needed).ok_or(Error::MemoryTooSmall { needed, given: 0 })?,
+        capacities,
+        depth,
+    )
 }

@@ -1,10 +1,12 @@
 //! What must hold for bytes from anywhere: the oracles of the fuzz targets, which tests share.
 
+use crate::executors::Random;
 use crate::simulator::{self, CAPACITIES};
 use crate::worlds::OwnedWorld;
 use cellstep::mjcf::Model;
+use cellstep::replay::{self, Player, Replay};
 use cellstep::scene::{Limits, Scene};
-use cellstep::{Capacities, Error, Serial};
+use cellstep::{BEHAVIOUR_VERSION, Capacities, Command, Error, Serial, xxh64};
 use std::path::Path;
 
 /// Steps that an accepted world takes.
@@ -69,6 +71,91 @@ pub fn mjcf(bytes: &[u8]) -> bool {
         scene(conversion.scene.to_json().as_bytes());
     }
     true
+}
+
+/// Most that the world of a fuzzed replay may take.
+const REPLAY_LIMITS: replay::Limits = replay::Limits { world_bytes: 16 << 20 };
+
+/// Reads bytes as a replay and plays it as far as its steps are quick. True when it is one with a world.
+///
+/// # Panics
+/// When the replay is read otherwise after a cut than before.
+pub fn replay(bytes: &[u8]) -> bool {
+    let Ok(replay) = Replay::read(bytes.to_vec()) else { return false };
+    for command in (replay.first_step()..replay.last_step()).flat_map(|step| replay.commands(step)) {
+        let mut room = [0; Command::BYTES_MAX];
+        assert!(command.command.encode(&mut room).is_ok());
+    }
+    let whole = bytes.len() - replay.cut_bytes();
+    let again = Replay::read(bytes[..whole].to_vec()).expect("whole records are read");
+    assert_eq!((again.last_step(), again.cut_bytes()), (replay.last_step(), 0));
+    let Ok(mut player) = Player::new(&replay, &REPLAY_LIMITS) else { return false };
+    while !player.is_at_end() && player.steps() - replay.first_step() < u64::from(STEPS) {
+        if player.compare().is_err() || player.apply().is_some() || !is_quick(player.world()) {
+            return true;
+        }
+        player.advance(&mut Serial);
+    }
+    true
+}
+
+/// Bytes of a replay before its records.
+const PREAMBLE: usize = 16;
+/// Where the content hash lies in a keyframe's record, after its kind, cause, step and number of commands.
+const KEYFRAME_HASH: core::ops::Range<usize> = 14 + CONTENT_HASH.start..14 + CONTENT_HASH.end;
+
+/// The replay whose records, each kind and payload, are changed by `change`, with checksums that match; records
+/// that `change` empties are left out. What follows the last whole record stays.
+fn rewritten(bytes: &[u8], mut change: impl FnMut(&mut Vec<u8>)) -> Vec<u8> {
+    let Some((preamble, mut rest)) = bytes.split_at_checked(PREAMBLE) else { return bytes.to_vec() };
+    let mut out = preamble.to_vec();
+    let mut seal = xxh64(&out, 0);
+    while let Some(length) = rest.first_chunk::<4>() {
+        let length = u32::from_le_bytes(*length) as usize;
+        let Some(end) = length.checked_add(13).filter(|end| *end <= rest.len()) else { break };
+        let mut record = rest[4..5 + length].to_vec();
+        rest = &rest[end..];
+        change(&mut record);
+        if record.is_empty() {
+            continue;
+        }
+        let start = out.len();
+        out.extend_from_slice(&(record.len() as u32 - 1).to_le_bytes());
+        out.extend_from_slice(&record);
+        seal = xxh64(&out[start..], seal);
+        out.extend_from_slice(&seal.to_le_bytes());
+    }
+    out.extend_from_slice(rest);
+    out
+}
+
+/// The replay with the versions of this build and checksums that match: what a fuzzer changed then gets further
+/// than the checksum.
+pub fn resealed_replay(bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    if let Some(versions) = bytes.get_mut(8..PREAMBLE) {
+        versions[..4].copy_from_slice(&replay::FORMAT_VERSION.to_le_bytes());
+        versions[4..].copy_from_slice(&BEHAVIOUR_VERSION.to_le_bytes());
+    }
+    rewritten(&bytes, |record| {
+        if let (3, Some(hash)) = (record[0], record.get_mut(KEYFRAME_HASH)) {
+            hash.fill(0);
+        }
+    })
+}
+
+/// A replay with some bytes of its records changed, and checksums that match.
+pub fn forged_replay(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+    rewritten(bytes, |record| match random.below(40) {
+        0 => record.clear(),
+        1 => record.truncate(1 + random.below(record.len() as u64) as usize),
+        2 => record.extend((0..random.below(20)).map(|_| random.bits() as u8)),
+        3..6 => {
+            let bit = random.below(record.len() as u64 * 8) as usize;
+            record[bit / 8] ^= 1 << (bit % 8);
+        }
+        _ => {}
+    })
 }
 
 /// Loads bytes into a small world. Gives the refusal, or the world after 60 steps.

@@ -6,21 +6,27 @@
 mod joints;
 mod materials;
 
-use crate::commands::{Command, Outcome};
 use crate::executors::Random;
 use crate::worlds::{self, OwnedWorld};
 use cellstep::math::{Pose, Rotation, Vec3};
+use cellstep::replay::AssetSet;
 use cellstep::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, Error, Filter, Geometry,
-    HullHandle, JointHandle, MassProperties, MaterialTraits, MeshHandle, Position, Settings, ShapeDef,
-    ShapeEvents, ShapeHandle,
+    Applied, AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, Command, ContactModel, Error,
+    Filter, Geometry, HullHandle, JointHandle, MassProperties, MaterialTraits, MeshHandle, Position,
+    Settings, ShapeDef, ShapeEvents, ShapeHandle,
 };
 
 /// Handles that are remembered; older ones are forgotten at random.
 const KNOWN_MAX: usize = 48;
 
 /// A command and what came of it.
-pub type Event = (Command, Result<Outcome, Error>);
+pub type Event = (Command, Result<Applied, Error>);
+
+/// A world, and who gives it its commands.
+struct Game<'a> {
+    world: &'a mut OwnedWorld,
+    apply: &'a mut dyn FnMut(&mut OwnedWorld, &Command) -> Result<Applied, Error>,
+}
 
 /// The player.
 #[derive(Clone, Debug)]
@@ -62,16 +68,21 @@ pub fn empty_world(capacities: Capacities) -> OwnedWorld {
     world
 }
 
-/// Registers two hulls and a mesh of 5 x 5 vertices in gentle waves.
+/// The assets of a simulated world.
 fn register(world: &mut OwnedWorld) {
+    assets(world, &mut AssetSet::new());
+}
+
+/// Registers two hulls and a mesh of 5 x 5 vertices in gentle waves, and remembers them.
+pub fn assets(world: &mut OwnedWorld, set: &mut AssetSet) {
     let wedge = [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 0.8]];
-    world.add_hull(&wedge.map(Vec3::from)).expect("a pyramid is a hull");
+    set.add_hull(world, &wedge.map(Vec3::from)).expect("a pyramid is a hull");
     let prism: [Vec3; 12] = core::array::from_fn(|i| {
         let turn = (i / 2) as f32 * cellstep::math::PI / 3.0;
         let z = if i % 2 == 0 { -0.2 } else { 0.2 };
         Vec3::new(0.4 * cellstep::math::cos(turn), 0.4 * cellstep::math::sin(turn), z)
     });
-    world.add_hull(&prism).expect("a prism is a hull");
+    set.add_hull(world, &prism).expect("a prism is a hull");
     let vertices: [Vec3; 25] = core::array::from_fn(|i| {
         let (column, row) = (i % 5, i / 5);
         let height = [0.0, 0.3, 0.1, 0.4, 0.0][(column + 2 * row) % 5];
@@ -85,7 +96,7 @@ fn register(world: &mut OwnedWorld) {
             triangles.push([corner, corner + 6, corner + 5]);
         }
     }
-    world.add_mesh(&vertices, &triangles).expect("waves are a mesh");
+    set.add_mesh(world, &vertices, &triangles).expect("waves are a mesh");
 }
 
 impl Simulator {
@@ -108,19 +119,31 @@ impl Simulator {
             world.set_settings(&Settings { dt: 1.0 / 60.0, ..settings }).expect("in range");
         }
         for _ in 0..capacities.bodies / 2 {
-            simulator.create(&mut world, &mut Vec::new());
+            let mut apply = |world: &mut OwnedWorld, command: &Command| world.apply(command);
+            simulator.create(&mut Game { world: &mut world, apply: &mut apply }, &mut Vec::new());
         }
         (simulator, world)
     }
 
     /// Gives the world the commands before its next step, and tells which and what came of them.
     pub fn play(&mut self, world: &mut OwnedWorld) -> Vec<Event> {
+        self.play_with(world, |world, command| world.apply(command))
+    }
+
+    /// [`Simulator::play`], with commands given to the world by somebody else.
+    pub fn play_with(
+        &mut self,
+        world: &mut OwnedWorld,
+        mut apply: impl FnMut(&mut OwnedWorld, &Command) -> Result<Applied, Error>,
+    ) -> Vec<Event> {
+        let mut game = Game { world, apply: &mut apply };
+        let world = &mut game;
         let mut events = Vec::new();
         for _ in 0..self.random.below(4) {
             match self.random.below(11) {
                 0 => self.create(world, &mut events),
                 8..=10 => {
-                    let command = self.of_joint(world);
+                    let command = self.of_joint(world.world);
                     self.give(command, world, &mut events);
                 }
                 1 => {
@@ -152,22 +175,22 @@ impl Simulator {
         events
     }
 
-    fn give(&mut self, command: Command, world: &mut OwnedWorld, events: &mut Vec<Event>) {
-        let outcome = command.apply(world);
+    fn give(&mut self, command: Command, game: &mut Game<'_>, events: &mut Vec<Event>) {
+        let outcome = (game.apply)(game.world, &command);
         match outcome {
-            Ok(Outcome::Body(body)) => remember(&mut self.random, &mut self.bodies, body),
-            Ok(Outcome::Shape(shape)) => remember(&mut self.random, &mut self.shapes, shape),
-            Ok(Outcome::Joint(joint)) => remember(&mut self.random, &mut self.joints, joint),
+            Ok(Applied::Body(body)) => remember(&mut self.random, &mut self.bodies, body),
+            Ok(Applied::Shape(shape)) => remember(&mut self.random, &mut self.shapes, shape),
+            Ok(Applied::Joint(joint)) => remember(&mut self.random, &mut self.joints, joint),
             _ => {}
         }
         events.push((command, outcome));
     }
 
     /// A body with one or two shapes.
-    fn create(&mut self, world: &mut OwnedWorld, events: &mut Vec<Event>) {
+    fn create(&mut self, world: &mut Game<'_>, events: &mut Vec<Event>) {
         let command = Command::CreateBody(self.body_def());
         self.give(command, world, events);
-        let Some((_, Ok(Outcome::Body(body)))) = events.last() else { return };
+        let Some((_, Ok(Applied::Body(body)))) = events.last() else { return };
         let body = *body;
         for _ in 0..=self.random.below(4) / 3 {
             let command = Command::CreateShape(body, self.shape_def());
@@ -392,7 +415,7 @@ fn remember<T>(random: &mut Random, known: &mut Vec<T>, handle: T) {
 /// When a command has another outcome than it had.
 pub fn replay(world: &mut OwnedWorld, events: &[Event]) {
     for (command, outcome) in events {
-        assert_eq!(command.apply(world), *outcome, "{command:?}");
+        assert_eq!(world.apply(command), *outcome, "{command:?}");
     }
 }
 

@@ -1,10 +1,16 @@
-//! Stepping allocates nothing: neither the core, nor the pool on the thread that steps.
+//! Stepping allocates nothing: neither the core, nor the pool on the thread that steps. Reading replays is bounded.
 
+use cellstep::math::Vec3;
+use cellstep::replay::{Options, Recorder, Replay};
+use cellstep::scene::Build;
 use cellstep::scene::builtin::Builtin;
 use cellstep::{
-    Executor, Hit, Pool, Position, Probe, QueryFilter, QueryShape, Ray, Region, Serial, ShapeCast,
+    BodyHandle, Command, Executor, Hit, Pool, Position, Probe, QueryFilter, QueryShape, Ray, Region, Serial,
+    ShapeCast,
 };
+use cellstep_tests::commands;
 use cellstep_tests::executors::Random;
+use cellstep_tests::fuzzing::forged_replay;
 use cellstep_tests::mixed::{Draw, mixed_world};
 use cellstep_tests::simulator::{self, Simulator};
 use cellstep_tests::worlds::OwnedWorld;
@@ -65,6 +71,73 @@ fn commands_and_snapshots_allocate_nothing() {
             world.load(&buffer[..length]).expect("its own snapshot");
             let touching = world.contacts().filter(|contact| contact.normal_impulse() > 0.0).count();
             std::hint::black_box((touching, world.penetration_max(), world.checksum()));
+        }
+    });
+    assert_eq!(found.count_total, 0);
+}
+
+/// A recording of few balls and boxes with a command in each step.
+fn recording() -> Vec<u8> {
+    let scene = Builtin::find("mixed_pile").expect("a built-in scene").scene(8).expect("in range");
+    let Build { mut world, assets, .. } = scene.build(Path::new(".")).expect("built-in scenes build");
+    let options = Options { checksums_every: 3, keyframes_every: 30, ..Options::default() };
+    let mut recorder = Recorder::new(Vec::new(), &world, &assets, &options).expect("its own assets");
+    for step in 0..100 {
+        let body = BodyHandle { index: 2 + step % 4, generation: 1 };
+        let _ = recorder.apply(&mut world, &Command::ApplyImpulse(body, Vec3::X));
+        recorder.step(&mut world, &mut Serial);
+    }
+    recorder.finish(&world).expect("a vector takes everything")
+}
+
+#[test]
+fn reading_a_replay_takes_memory_in_proportion_to_its_bytes() {
+    let bytes = recording();
+    let mut random = Random::new(4);
+    let mut read = 0;
+    for round in 0..600 {
+        let mut hostile = if round == 0 { bytes.clone() } else { forged_replay(&bytes, &mut random) };
+        if round % 3 == 1 {
+            // Lengths and counts of any size, without right checksums.
+            let at = random.below(hostile.len() as u64 - 4) as usize;
+            hostile[at..at + 4].copy_from_slice(&(random.bits() as u32).to_le_bytes());
+        }
+        let length = hostile.len() as u64;
+        let found = allocation_counter::measure(|| read += u32::from(Replay::read(hostile).is_ok()));
+        assert!(found.bytes_max <= 3 * length + 4096, "{} for {length}", found.bytes_max);
+    }
+    assert!(read > 0);
+}
+
+#[test]
+fn commands_are_coded_without_memory() {
+    let mut random = Random::new(5);
+    let commands: Vec<Command> = (0..commands::KINDS).map(|kind| commands::any(&mut random, kind)).collect();
+    let mut room = [0; Command::BYTES_MAX];
+    let found = allocation_counter::measure(|| {
+        for command in &commands {
+            let length = command.encode(&mut room).expect("there is room");
+            std::hint::black_box(Command::decode(&room[..length]).expect("what was encoded decodes"));
+        }
+    });
+    assert_eq!(found.count_total, 0);
+}
+
+#[test]
+fn a_ring_of_snapshots_allocates_nothing() {
+    let mut world = pile();
+    let mut ring = cellstep::new_ring(world.capacities(), 8).expect("memory");
+    let found = allocation_counter::measure(|| {
+        for _ in 0..60 {
+            ring.save(&world).expect("a world of its capacities");
+            world.step(&mut Serial);
+            if world.steps() % 20 == 0 {
+                let back = world.steps() - 8;
+                ring.restore(&mut world, back).expect("it is kept");
+                while world.steps() < back + 8 {
+                    world.step(&mut Serial);
+                }
+            }
         }
     });
     assert_eq!(found.count_total, 0);

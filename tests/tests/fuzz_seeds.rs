@@ -5,9 +5,11 @@
 
 use cellstep::Serial;
 use cellstep::mjcf::Model;
+use cellstep::replay::{AssetSet, Options, Recorder};
 use cellstep::scene::builtin::BUILTIN;
 use cellstep_tests::fuzzing::{self, LOAD_CAPACITIES};
-use cellstep_tests::simulator::{Simulator, snapshot};
+use cellstep_tests::simulator::{self, CAPACITIES, Simulator, snapshot};
+use cellstep_tests::worlds;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -55,6 +57,30 @@ fn snapshots() -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
+/// Recordings of simulated worlds, with refused commands and keyframes.
+fn replays() -> BTreeMap<String, Vec<u8>> {
+    (0..4)
+        .map(|seed| {
+            let (mut simulator, mut world) = Simulator::new(seed, CAPACITIES);
+            let (mut assets, mut other) = (AssetSet::new(), worlds::world_with(CAPACITIES));
+            simulator::assets(&mut other, &mut assets);
+            let options = Options {
+                checksums_every: 2,
+                keyframes_every: 4,
+                note: "a seed".to_string(),
+                ..Options::default()
+            };
+            let mut recorder = Recorder::new(Vec::new(), &world, &assets, &options).expect("its assets");
+            for _ in 0..6 {
+                simulator.play_with(&mut world, |world, command| recorder.apply(world, command));
+                recorder.step(&mut world, &mut Serial);
+            }
+            let bytes = recorder.finish(&world).expect("a vector takes everything");
+            (format!("seed_{seed}.replay"), bytes)
+        })
+        .collect()
+}
+
 /// Compares the seeds with the files, or writes them; then gives every file of the corpus to the oracle.
 fn check(target: &str, seeds: &BTreeMap<String, Vec<u8>>, mut accepts: impl FnMut(&[u8]) -> bool) {
     let folder = corpus(target);
@@ -98,6 +124,12 @@ fn model_seeds_are_read() {
     let [.., links] = &models;
     let counts = [links.joints.len(), links.equalities.len(), links.ropes.len(), links.actuators.len()];
     assert_eq!(counts, [3, 2, 2, 3]);
+}
+
+#[test]
+fn replay_seeds_play() {
+    let play = |bytes: &[u8]| fuzzing::replay(&fuzzing::resealed_replay(bytes)) && fuzzing::replay(bytes);
+    check("replay", &replays(), play);
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Snapshots: going back and stepping again gives the same bytes, whatever happened in between.
 
-use cellstep::{BEHAVIOUR_VERSION, Capacities, Error, Executor, Serial, SnapshotError};
-use cellstep_tests::commands::Command;
+use cellstep::{
+    BEHAVIOUR_VERSION, Capacities, Command, Error, Executor, Serial, SnapshotError, SnapshotHeader,
+};
 use cellstep_tests::executors::{Random, Shuffled};
 use cellstep_tests::fuzzing::{CONTENT_HASH, SNAPSHOT_HEADER};
 use cellstep_tests::simulator::{self, CAPACITIES, Event, Simulator, snapshot};
@@ -239,4 +240,47 @@ fn damage_is_found_by_the_content_hash() {
         assert_eq!(world.load(&damaged), Err(Error::Snapshot(SnapshotError::Damaged)));
     }
     assert!(world.state() == before);
+}
+
+/// Who gets a snapshot from elsewhere can say why it does not fit before looking at its rows.
+#[test]
+fn the_header_says_what_differs() {
+    let (world, saved) = stepped();
+    let header = SnapshotHeader::read(&saved).expect("a snapshot");
+    assert_eq!(SnapshotHeader::BYTES, SNAPSHOT_HEADER);
+    assert_eq!(header.version, BEHAVIOUR_VERSION);
+    assert_eq!(header.layout_hash, CAPACITIES.layout_hash());
+    assert_eq!(header.layout_hash, world.layout_hash());
+    assert_eq!(header.assets_hash, world.assets_hash());
+    assert_eq!((header.content_hash, header.length), (0, saved.len() as u64));
+    assert_eq!(world.accepts(&header), Ok(()));
+    let others = [
+        (SnapshotHeader { version: 1, ..header }, SnapshotError::Version { found: 1 }),
+        (SnapshotHeader { layout_hash: header.layout_hash ^ 1, ..header }, SnapshotError::Capacities),
+        (SnapshotHeader { assets_hash: header.assets_hash ^ 1, ..header }, SnapshotError::Assets),
+    ];
+    for (other, expected) in others {
+        assert_eq!(world.accepts(&other), Err(expected));
+    }
+    let short = SnapshotHeader::read(&saved[..SNAPSHOT_HEADER - 1]);
+    assert_eq!(
+        short,
+        Err(SnapshotError::WrongLength { needed: SNAPSHOT_HEADER, given: SNAPSHOT_HEADER - 1 })
+    );
+}
+
+#[test]
+fn sections_fill_a_snapshot() {
+    let (world, saved) = stepped();
+    let mut end = SNAPSHOT_HEADER;
+    let mut names = Vec::new();
+    for section in world.snapshot_sections(&saved).expect("its own snapshot") {
+        assert_eq!(section.range.start, end, "{}", section.name);
+        assert_eq!(section.range.len() % section.row_bytes, 0, "{}", section.name);
+        end = section.range.end;
+        names.push(section.name);
+    }
+    assert_eq!(end, saved.len());
+    assert!(names.iter().copied().eq(world.checksum_by_section().map(|(name, _)| name)));
+    assert!(world.snapshot_sections(&saved[1..]).is_err());
 }

@@ -12,8 +12,8 @@ mod resist;
 mod shift;
 
 use super::row::{Bias, LinkRow, PointRow, ResistRow, SUMS, TURNS};
-use super::velocities::Velocities;
-use crate::lanes::{Lane, LaneVec, transpose};
+use super::velocities::{Velocities, motions};
+use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bounce::{bounce, forget_blows, record_bounces};
 use shift::Shift;
@@ -191,8 +191,7 @@ fn follow<const N: usize>(
     sweep: &Sweep,
 ) {
     let shift = Shift::of(row);
-    let a = transpose(row.seats_a.map(|i| seats[i as usize].moved));
-    let b = transpose(row.seats_b.map(|i| seats[i as usize].moved));
+    let [a, b] = motions((&row.seats_a, &row.seats_b), seats);
     let moved = LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     let (ta, tb) = (LaneVec::new(a[4], a[5], a[6]), LaneVec::new(b[4], b[5], b[6]));
     let along = row.normal.dot(moved);

@@ -12,6 +12,7 @@
 //! Legend: as in `constraint/contact.rs`. `g` is the way from A's point to B's.
 
 mod articulation;
+mod ball;
 mod elimination;
 mod factor;
 mod follow;
@@ -20,6 +21,7 @@ mod solve;
 mod tests;
 
 pub(crate) use articulation::Articulation;
+pub(crate) use ball::BallRow;
 pub(crate) use elimination::{
     BlockSpec, Elimination, JOINTS_MAX, Member, NONE, NodeSpec, Pattern, blocks_max, nodes_max,
 };

@@ -1,6 +1,6 @@
 //! What a row reads and writes of the seats of its bodies, lane by lane.
 
-use crate::lanes::{LANES, Lane, LaneVec, transpose, transpose_back};
+use crate::lanes::{LANES, Lane, LaneVec, Words, each_lane, transpose, transpose_back};
 use crate::pipeline::seat::Seat;
 
 /// Seats of the bodies A and of the bodies B.
@@ -23,8 +23,8 @@ pub(crate) struct Velocities {
 impl Velocities {
     #[inline(always)]
     pub fn gather((seats_a, seats_b): Ends<'_>, seats: &[Seat], locked: bool) -> Self {
-        let a = transpose(seats_a.map(|i| seats[i as usize].velocity));
-        let b = transpose(seats_b.map(|i| seats[i as usize].velocity));
+        let a = transpose(pick(seats, seats_a, |seat| seat.velocity));
+        let b = transpose(pick(seats, seats_b, |seat| seat.velocity));
         let (ma, mb) = if locked {
             (free_axes(a[7]).times(a[3]), free_axes(b[7]).times(b[3]))
         } else {
@@ -59,8 +59,8 @@ impl Velocities {
     /// where the motion is noted later.
     #[inline(always)]
     pub fn gather_nudges(&self, (seats_a, seats_b): Ends<'_>, seats: &[Seat]) -> Self {
-        let a = transpose(seats_a.map(|i| seats[i as usize].moved));
-        let b = transpose(seats_b.map(|i| seats[i as usize].moved));
+        let a = transpose(pick(seats, seats_a, |seat| seat.moved));
+        let b = transpose(pick(seats, seats_b, |seat| seat.moved));
         Self {
             va: LaneVec::new(a[0], a[1], a[2]),
             wa: LaneVec::new(a[4], a[5], a[6]),
@@ -115,6 +115,18 @@ impl Velocities {
         self.wa = self.wa - a;
         self.wb = self.wb + b;
     }
+}
+
+/// What eight seats have.
+#[inline(always)]
+fn pick(seats: &[Seat], at: &[u32; LANES], of: impl Fn(&Seat) -> Words) -> [Words; LANES] {
+    each_lane(|lane| of(&seats[at[lane] as usize]))
+}
+
+/// The motions of the bodies of a row: three numbers of the shift, 0, three of the whitened turn, 0.
+#[inline(always)]
+pub(crate) fn motions((seats_a, seats_b): Ends<'_>, seats: &[Seat]) -> [[Lane; 8]; 2] {
+    [seats_a, seats_b].map(|at| transpose(pick(seats, at, |seat| seat.moved)))
 }
 
 /// A symmetric matrix (diagonal, then xy, xz, yz) times a vector.

@@ -5,6 +5,8 @@ use super::{Axis, AxisMotion, Coupling, Drive, JointDef, Spring};
 use crate::cells::UNORDERED;
 use crate::handle::BodyHandle;
 use crate::math::{PI, Pose, Vec3};
+use core::ops::{Deref, DerefMut};
+
 use bytemuck::{Pod, Zeroable};
 
 /// A spring in the state: `SPRING_*`, then its two numbers.
@@ -163,6 +165,17 @@ impl AxisRow {
         self.flags & MOTION_MASK == MOTION_LIMITED && (self.lower.is_finite() || self.upper.is_finite())
     }
 
+    pub fn is_finite(&self) -> bool {
+        [self.turn, self.limit_impulse, self.drive_impulse, self.friction_impulse]
+            .iter()
+            .all(|x| x.is_finite())
+    }
+
+    /// Forgets what was pressed.
+    pub fn forget(&mut self) {
+        (self.limit_impulse, self.drive_impulse, self.friction_impulse) = (0.0, 0.0, 0.0);
+    }
+
     /// True when a drive pulls to a position.
     pub fn has_position_drive(&self) -> bool {
         self.flags & DRIVEN != 0 && self.drive_spring.kind != SPRING_NONE
@@ -183,26 +196,47 @@ pub(crate) struct JointRow {
     pub flags: u32,
     /// Phase in the ordering, or `UNORDERED` for a joint that is no link.
     pub phase: u32,
+    /// [`Signature`]: which rows the joint has in the solver. It follows from the definition.
+    pub signature: u32,
+    pub break_force: f32,
+    pub break_torque: f32,
     /// Frames in the bodies' frames.
     pub frames: [Pose; 2],
-    pub axes: [AxisRow; 6],
+    pub spring: SpringRow,
+    /// Impulses of the held rows in a substep, N s or N m s.
+    pub impulses: [f32; 6],
+    /// Force and torque about the joint's point, on body B, in the last substep; N, N m, in the world.
+    pub force: Vec3,
+    pub torque: Vec3,
     /// Of gears and racks.
     pub ratio: f32,
     /// Cosine side of the cone: its half angle, radians; 0 without.
     pub cone: f32,
-    pub spring: SpringRow,
-    pub break_force: f32,
-    pub break_torque: f32,
-    /// Impulses of the held rows in a substep, N s or N m s.
-    pub impulses: [f32; 6],
     pub cone_impulse: f32,
     /// How far a gear or a rack has slipped, rad or m.
     pub slip: f32,
-    /// Force and torque about the joint's point, on body B, in the last substep; N, N m, in the world.
-    pub force: Vec3,
-    pub torque: Vec3,
-    /// Zero.
-    pub reserved: u32,
+}
+
+/// A joint's row and its axes. These lie apart in the state: a step has no need of the axes of joints that hold or
+/// leave them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Joint {
+    pub row: JointRow,
+    pub axes: [AxisRow; 6],
+}
+
+impl Deref for Joint {
+    type Target = JointRow;
+
+    fn deref(&self) -> &JointRow {
+        &self.row
+    }
+}
+
+impl DerefMut for Joint {
+    fn deref_mut(&mut self) -> &mut JointRow {
+        &mut self.row
+    }
 }
 
 pub(crate) const COUPLING_MASK: u32 = 3;
@@ -216,12 +250,53 @@ pub(crate) const COLLIDES: u32 = 4;
 pub(crate) const BROKEN: u32 = 8;
 /// There is a cone.
 pub(crate) const CONE: u32 = 16;
-const FLAGS_ALL: u32 = COUPLING_MASK | COLLIDES | BROKEN | CONE;
+/// Holds its points together rigidly, and nothing else.
+pub(crate) const PLAIN_BALL: u32 = 32;
+const FLAGS_ALL: u32 = COUPLING_MASK | COLLIDES | BROKEN | CONE | PLAIN_BALL;
 
 impl JointRow {
+    /// The next joint in the list of one of its bodies: its slot plus 1, or 0.
+    pub fn next_of(&self, body: u32) -> u32 {
+        self.next[self.end_of(body)]
+    }
+
+    /// The same, to change.
+    pub fn next_of_mut(&mut self, body: u32) -> &mut u32 {
+        &mut self.next[self.end_of(body)]
+    }
+
+    fn end_of(&self, body: u32) -> usize {
+        usize::from(self.bodies[0] != body)
+    }
+
+    pub fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+
+    /// Forgets what was pressed: for a joint that was changed or put elsewhere.
+    pub fn forget(&mut self) {
+        (self.impulses, self.cone_impulse) = ([0.0; 6], 0.0);
+        (self.force, self.torque) = (Vec3::ZERO, Vec3::ZERO);
+    }
+
+    pub fn is_finite(&self) -> bool {
+        self.impulses.iter().all(|x| x.is_finite())
+            && self.cone_impulse.is_finite()
+            && self.slip.is_finite()
+            && self.force.is_finite()
+            && self.torque.is_finite()
+    }
+
+    /// Which rows the joint has in the solver.
+    pub fn signature(&self) -> Signature {
+        Signature(self.signature)
+    }
+}
+
+impl Joint {
     /// A joint between two slots, in no list and no phase.
     pub fn new(bodies: [u32; 2], def: &JointDef) -> Self {
-        let mut row = Self::zeroed();
+        let mut row = Self { row: JointRow::zeroed(), axes: [AxisRow::zeroed(); 6] };
         row.bodies = bodies;
         row.phase = u32::from(UNORDERED);
         row.user = def.user;
@@ -245,7 +320,15 @@ impl JointRow {
         }
         row.spring = SpringRow::new(def.spring);
         (row.break_force, row.break_torque) = (def.break_force, def.break_torque);
+        row.derive();
         row
+    }
+
+    /// Changes an axis; what was pressed by rows that the joint does not have any more is forgotten.
+    pub fn define_axis(&mut self, index: usize, axis: &Axis) {
+        self.axes[index].define(axis);
+        self.derive();
+        self.drop_unused();
     }
 
     /// The joint as defined, between bodies with these handles; `None` for a row that no definition makes.
@@ -258,7 +341,12 @@ impl JointRow {
             _ => return None,
         };
         let has_cone = self.flags & CONE != 0;
-        if self.flags > FLAGS_ALL || !has_cone && self.cone != 0.0 || self.reserved != 0 {
+        let mut derived = *self;
+        derived.derive();
+        if self.flags > FLAGS_ALL
+            || !has_cone && self.cone != 0.0
+            || (derived.signature, derived.flags) != (self.signature, self.flags)
+        {
             return None;
         }
         let mut axes = [Axis::FREE; 6];
@@ -277,33 +365,6 @@ impl JointRow {
             bodies_collide: self.flags & COLLIDES != 0,
             user: self.user,
         })
-    }
-
-    /// The next joint in the list of one of its bodies: its slot plus 1, or 0.
-    pub fn next_of(&self, body: u32) -> u32 {
-        self.next[self.end_of(body)]
-    }
-
-    /// The same, to change.
-    pub fn next_of_mut(&mut self, body: u32) -> &mut u32 {
-        &mut self.next[self.end_of(body)]
-    }
-
-    fn end_of(&self, body: u32) -> usize {
-        usize::from(self.bodies[0] != body)
-    }
-
-    pub fn has(&self, flag: u32) -> bool {
-        self.flags & flag != 0
-    }
-
-    /// Forgets what was pressed: for a joint that was changed or put elsewhere.
-    pub fn forget(&mut self) {
-        for axis in &mut self.axes {
-            (axis.limit_impulse, axis.drive_impulse, axis.friction_impulse) = (0.0, 0.0, 0.0);
-        }
-        (self.impulses, self.cone_impulse) = ([0.0; 6], 0.0);
-        (self.force, self.torque) = (Vec3::ZERO, Vec3::ZERO);
     }
 
     /// Takes over what another row of the same joint has gathered, as far as their rows are the same.
@@ -325,10 +386,10 @@ impl JointRow {
     }
 
     /// Zeroes impulses of rows that the joint does not have.
-    pub fn drop_unused(&mut self) {
+    fn drop_unused(&mut self) {
         let signature = self.signature();
         let has = |bits: u32, axis: usize| bits >> axis & 1 != 0;
-        for (i, (axis, held)) in self.axes.iter_mut().zip(&mut self.impulses).enumerate() {
+        for (i, (axis, held)) in self.axes.iter_mut().zip(&mut self.row.impulses).enumerate() {
             let keep = |kept: bool, impulse: &mut f32| *impulse = if kept { *impulse } else { 0.0 };
             keep(has(signature.held(), i) || (i == 0 && signature.lock_rows() == 1), held);
             keep(has(signature.limited(), i), &mut axis.limit_impulse);
@@ -337,20 +398,15 @@ impl JointRow {
         }
     }
 
-    pub fn is_finite(&self) -> bool {
-        let axis = |a: &AxisRow| {
-            [a.turn, a.limit_impulse, a.drive_impulse, a.friction_impulse].iter().all(|x| x.is_finite())
-        };
-        self.axes.iter().all(axis)
-            && self.impulses.iter().all(|x| x.is_finite())
-            && self.cone_impulse.is_finite()
-            && self.slip.is_finite()
-            && self.force.is_finite()
-            && self.torque.is_finite()
+    /// Writes what follows from the definition.
+    fn derive(&mut self) {
+        self.signature = self.derived_signature().0;
+        let at_zero = self.axes[..3].iter().all(|axis| axis.lower == 0.0);
+        let plain = self.signature == Signature::BALL.0 && at_zero && self.spring.kind == SPRING_NONE;
+        self.flags = self.flags & !PLAIN_BALL | if plain { PLAIN_BALL } else { 0 };
     }
 
-    /// Which rows the joint has in the solver.
-    pub fn signature(&self) -> Signature {
+    fn derived_signature(&self) -> Signature {
         let coupling = self.flags & COUPLING_MASK;
         let mut bits = coupling << 25;
         let axes = match coupling {
@@ -381,6 +437,11 @@ impl JointRow {
 pub(crate) struct Signature(pub u32);
 
 impl Signature {
+    /// Three shifts that are held.
+    pub const BALL: Self = Self(7);
+    /// In the solver: a plain ball, which has a row of its own format. No joint that holds anything has it.
+    pub const PLAIN: Self = Self(0);
+
     pub fn held(self) -> u32 {
         self.0 & 63
     }

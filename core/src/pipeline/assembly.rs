@@ -5,7 +5,7 @@ use crate::cells::Link;
 use crate::config::{CONTACT_COUPLING, ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
 use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
-use crate::joint::JointRow;
+use crate::joint::{AxisRow, JointRow};
 use crate::lanes::{LANES, Words};
 use crate::material::MaterialRow;
 use crate::math::{PI, Vec3};
@@ -19,7 +19,7 @@ use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take, take_resists};
 use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{events, joints};
+use crate::pipeline::{balls, events, joints};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
 use bytemuck::Zeroable;
@@ -44,6 +44,7 @@ pub(crate) struct Scene<'a> {
     pub memos: &'a [Memo],
     pub touches: &'a [Touch],
     pub joints: &'a [JointRow],
+    pub joint_axes: &'a [[AxisRow; 6]],
     /// By slot of a body: not 0 for one with joints.
     pub first_joints: &'a [u32],
     /// Slots of the joints that are links.
@@ -151,6 +152,7 @@ pub(crate) fn fill<E: Executor>(
         memos: &cache.memos[cache.header[0].memo_half as usize * state.contacts.len()..],
         touches: scratch.touches,
         joints: state.joints,
+        joint_axes: state.joint_axes,
         first_joints: state.first_joints,
         joint_slots: scratch.joint_slots,
         active_of: scratch.active_of,
@@ -169,7 +171,8 @@ pub(crate) fn fill<E: Executor>(
     let mut seats = &mut scratch.seats[..plan.seats];
     let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize / LANES];
     let mut joints = JointRows {
-        links: &mut scratch.joint_links[..plan.joints],
+        balls: &mut scratch.ball_rows[..plan.balls],
+        links: &mut scratch.joint_links[..plan.joints - plan.balls],
         locks: &mut scratch.lock_rows[..plan.locks],
         bounds: &mut scratch.bound_rows[..plan.bounds],
         nodes: &mut scratch.node_rows[..plan.nodes],
@@ -238,7 +241,12 @@ impl Task<'_> {
             fill_seats(scene, (own_seats, own_movers), bodies);
             let mut joints = self.joints.take(group);
             let mut left = joints.reborrow();
-            for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
+            let first = group.first_joint as usize;
+            let (balls, end) = (first + group.balls as usize, first + group.joints as usize);
+            for (row, ball) in (first..balls).zip(&mut *left.balls) {
+                balls::fill(scene, ball, (&lanes.joints[row], &lanes.joint_seats[row]));
+            }
+            for row in balls..end {
                 joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
             }
             lanes.patterns.of(group).each(joints, |articulation| articulation.factor());

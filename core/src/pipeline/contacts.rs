@@ -7,7 +7,7 @@ use crate::executor::{Executor, Stage};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, events};
 use crate::shape::FRESH;
-use crate::state::{Birth, Cache, ContactRow, Memo, Scratch, State, Touch};
+use crate::state::{Birth, Cache, ContactRow, MEMOS_LISTED, MEMOS_MARKED, Memo, Scratch, State, Touch};
 use bytemuck::Zeroable;
 
 /// Contacts that are worth a task to copy.
@@ -82,6 +82,24 @@ pub(crate) fn merge<E: Executor>(
     }
     state.header[0].contacts = count as u32;
     Change { any: true, lost }
+}
+
+/// After a restore: brings the memos that still hold to their contacts, and marks the others.
+pub(crate) fn place_memos(state: &State<'_>, cache: &mut Cache<'_>) {
+    if cache.header[0].memos_fit != MEMOS_LISTED {
+        return;
+    }
+    let (low, high) = cache.memos.split_at_mut(state.contacts.len());
+    let (from, to) = if cache.header[0].memo_half == 0 { (low, high) } else { (high, low) };
+    let count = state.header[0].contacts as usize;
+    for (memo, &source) in to[..count].iter_mut().zip(&*cache.memo_sources) {
+        match from.get(source as usize) {
+            Some(known) => *memo = *known,
+            None => memo.is_unknown = 1,
+        }
+    }
+    cache.header[0].memo_half ^= 1;
+    cache.header[0].memos_fit = MEMOS_MARKED;
 }
 
 /// Lists where each contact comes from, and the bodies of those that ended. When there are too many, those of

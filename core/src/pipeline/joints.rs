@@ -3,8 +3,8 @@
 use crate::body::{BodyKind, turned_frame};
 use crate::cells::{IMMOVABLE, UNORDERED};
 use crate::constraint::joint::{
-    Bound, BoundRow, FAR, JointLink, LIMIT_PUSH, LOCK_PUSH, LockRow, bounds_of, locks_of, place, weigh,
-    wrench,
+    BallRow, Bound, BoundRow, FAR, JointLink, LIMIT_PUSH, LOCK_PUSH, LockRow, bounds_of, locks_of, place,
+    weigh, wrench,
 };
 use crate::executor::{Executor, Stage};
 use crate::joint::axis::{TURN_X, TURN_Z};
@@ -17,7 +17,7 @@ use crate::pipeline::layout::{EMPTY, Group, Plan};
 use crate::pipeline::mover;
 use crate::pipeline::solver::{JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{Counts, events};
+use crate::pipeline::{Counts, balls, events};
 use crate::shape::BOX_STALE;
 use crate::state::{Cache, Scratch, State, mark_shapes, principal_rotation};
 use bytemuck::Zeroable;
@@ -27,13 +27,30 @@ const STORE_JOINTS: usize = 256;
 /// How fast a limit that gives is felt before it is reached, 1/s: not at all.
 const NOT_BEFORE: f32 = 1.0e9;
 
+/// A joint in the state.
+struct View<'a> {
+    row: &'a JointRow,
+    axes: &'a [AxisRow; 6],
+}
+
+impl core::ops::Deref for View<'_> {
+    type Target = JointRow;
+
+    fn deref(&self) -> &JointRow {
+        self.row
+    }
+}
+
 /// Writes one row of joints and cuts it off `rows`.
 pub(crate) fn fill(
     scene: &Scene<'_>,
     rows: &mut JointRows<'_>,
     (joints, seats): (&[u32; LANES], &[u32; 2 * LANES]),
 ) {
-    let row_of = |joint: u32| &scene.joints[scene.joint_slots[joint as usize] as usize];
+    let row_of = |joint: u32| {
+        let slot = scene.joint_slots[joint as usize] as usize;
+        View { row: &scene.joints[slot], axes: &scene.joint_axes[slot] }
+    };
     let Some(&first) = joints.iter().find(|&&joint| joint != EMPTY) else { return };
     let signature = row_of(first).signature();
     let link = &mut take(&mut rows.links, 1)[0];
@@ -48,14 +65,14 @@ pub(crate) fn fill(
     let mut masses = LaneVec::ZERO;
     for (lane, &joint) in joints.iter().enumerate() {
         if joint != EMPTY {
-            masses.set(lane, set_bodies(scene, link, row_of(joint), lane));
+            masses.set(lane, set_bodies(scene, link, &row_of(joint), lane));
         }
     }
     place(link, locks, bounds);
     weigh(locks, bounds, masses);
     for (lane, &joint) in joints.iter().enumerate() {
         if joint != EMPTY {
-            let joint = row_of(joint);
+            let joint = &row_of(joint);
             let measure = Measure::of(link, joint, lane);
             set_locks(scene, joint, (signature, &measure), (locks, lane, masses));
             set_bounds(scene, joint, (signature, &measure), (bounds, lane));
@@ -66,7 +83,7 @@ pub(crate) fn fill(
 }
 
 /// Writes what one joint's bodies are; returns their inverse masses along the axes, added.
-fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: usize) -> Vec3 {
+fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &View<'_>, lane: usize) -> Vec3 {
     let active = joint.bodies.map(|slot| scene.active_of[slot as usize]);
     if active[0] == IMMOVABLE {
         // Links have the dynamic body first.
@@ -121,7 +138,7 @@ fn set_root(to: &mut [LaneVec; 2], &[xx, yy, zz, xy, xz, yz]: &[f32; 6], lane: u
 }
 
 /// Writes arms and axes. Held axes are held at 0 of these frames.
-fn set_frames(scene: &Scene<'_>, link: &mut JointLink, joint: &JointRow, lane: usize) {
+fn set_frames(scene: &Scene<'_>, link: &mut JointLink, joint: &View<'_>, lane: usize) {
     let [a, b] = joint.bodies.map(|slot| slot as usize);
     let (ma, mb) = (&scene.motions[a], &scene.motions[b]);
     let signature = link.signature();
@@ -161,7 +178,7 @@ struct Measure {
 }
 
 impl Measure {
-    fn of(link: &JointLink, joint: &JointRow, lane: usize) -> Self {
+    fn of(link: &JointLink, joint: &View<'_>, lane: usize) -> Self {
         let signature = link.signature();
         let gap = link.gap().get(lane);
         let axes = link.axes_a.map(|axis| axis.get(lane));
@@ -206,7 +223,7 @@ fn counted_on(angle: f32, last: f32) -> f32 {
 
 fn set_locks(
     scene: &Scene<'_>,
-    joint: &JointRow,
+    joint: &View<'_>,
     (signature, measure): (Signature, &Measure),
     (locks, lane, masses): (&mut [LockRow], usize, LaneVec),
 ) {
@@ -228,7 +245,7 @@ fn set_locks(
 
 fn set_bounds(
     scene: &Scene<'_>,
-    joint: &JointRow,
+    joint: &View<'_>,
     (signature, measure): (Signature, &Measure),
     (bounds, lane): (&mut [BoundRow], usize),
 ) {
@@ -293,7 +310,7 @@ impl Sight<'_> {
         }
     }
 
-    fn cone(&mut self, joint: &JointRow, angle: f32) {
+    fn cone(&mut self, joint: &View<'_>, angle: f32) {
         self.ends(FAR, angle - joint.cone, joint.cone_impulse);
     }
 
@@ -326,33 +343,40 @@ pub(crate) fn store<E: Executor>(
         /// Slot of the first of the rows.
         first: u32,
         rows: &'a mut [JointRow],
+        axes: &'a mut [[AxisRow; 6]],
         broken: u32,
     }
     if joints == 0 {
         return;
     }
     index_rows(&cache.groups[..plan.groups], scratch.joint_links, scratch.joint_firsts);
-    measure_wrenches(scratch, (&cache.groups[..plan.groups], plan), substep, crew);
+    if plan.joints > plan.balls {
+        measure_wrenches(scratch, (&cache.groups[..plan.groups], plan), substep, crew);
+    }
     let share = chunk(joints, STORE_JOINTS);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
-    let (mut rest, mut first) = (&mut *state.joints, 0);
+    let (mut rest, mut rest_axes, mut first) = (&mut *state.joints, &mut *state.joint_axes, 0);
     let slots = scratch.held_slots[..joints].chunks(share);
     for (slots, order) in slots.zip(cache.joint_order[..joints].chunks(share)) {
         let end = slots[slots.len() - 1] + 1;
         let rows = take(&mut rest, (end - first) as usize);
-        push(&mut tasks, Task { slots, order, first, rows, broken: 0 });
+        let axes = take(&mut rest_axes, rows.len());
+        push(&mut tasks, Task { slots, order, first, rows, axes, broken: 0 });
         first = end;
     }
     let results = Results {
+        balls: scratch.ball_rows,
         links: scratch.joint_links,
         locks: scratch.lock_rows,
         bounds: scratch.bound_rows,
+        rate: 1.0 / substep,
         firsts: scratch.joint_firsts,
     };
     crew.run(Stage::Finish, &mut tasks, |task| {
         for (&slot, &place) in task.slots.iter().zip(task.order) {
-            let joint = &mut task.rows[(slot - task.first) as usize];
-            results.store(joint, cache.joint_places[place as usize] as usize);
+            let i = (slot - task.first) as usize;
+            let joint = &mut task.rows[i];
+            results.store(joint, &mut task.axes[i], cache.joint_places[place as usize] as usize);
             task.broken += u32::from(joint.has(BROKEN));
         }
     });
@@ -372,7 +396,8 @@ fn measure_wrenches<E: Executor>(
     crew: &mut Crew<'_, E>,
 ) {
     let mut rows = JointRows {
-        links: &mut scratch.joint_links[..plan.joints],
+        balls: &mut scratch.ball_rows[..plan.balls],
+        links: &mut scratch.joint_links[..plan.joints - plan.balls],
         locks: &mut scratch.lock_rows[..plan.locks],
         bounds: &mut scratch.bound_rows[..plan.bounds],
         nodes: &mut scratch.node_rows[..plan.nodes],
@@ -436,33 +461,60 @@ pub(crate) fn begin_anew(state: &mut State<'_>, body: u32) {
     }
 }
 
-/// Writes the first lock and the first bound of each row of joints.
-fn index_rows(groups: &[Group], links: &[JointLink], firsts: &mut [[u32; 2]]) {
-    let mut next = [0, 0];
+/// Writes where each row of joints is, and its first lock and bound.
+fn index_rows(groups: &[Group], links: &[JointLink], firsts: &mut [[u32; 3]]) {
+    let (mut ball, mut next) = (0, [0; 3]);
     for group in groups {
-        for row in group.first_joint as usize..(group.first_joint + group.joints) as usize {
-            firsts[row] = next;
-            let signature = links[row].signature();
-            next[0] += signature.lock_rows() as u32;
-            next[1] += signature.bound_rows() as u32;
+        let first = group.first_joint as usize;
+        let (balls, end) = (first + group.balls as usize, first + group.joints as usize);
+        for own in &mut firsts[first..balls] {
+            *own = [ball, EMPTY, EMPTY];
+            ball += 1;
+        }
+        for own in &mut firsts[balls..end] {
+            *own = next;
+            let signature = links[next[0] as usize].signature();
+            next[0] += 1;
+            next[1] += signature.lock_rows() as u32;
+            next[2] += signature.bound_rows() as u32;
         }
     }
 }
 
 /// What the solve left of the joints.
 struct Results<'a> {
+    balls: &'a [BallRow],
     links: &'a [JointLink],
     locks: &'a [LockRow],
     bounds: &'a [BoundRow],
-    firsts: &'a [[u32; 2]],
+    firsts: &'a [[u32; 3]],
+    /// Substeps in a second.
+    rate: f32,
 }
 
 impl Results<'_> {
-    fn store(&self, joint: &mut JointRow, place: usize) {
-        let (row, lane) = (place / LANES, place % LANES);
-        let link = &self.links[row];
+    fn store(&self, joint: &mut JointRow, axes: &mut [AxisRow; 6], place: usize) {
+        let (row, lane) = (self.firsts[place / LANES], place % LANES);
+        if row[1] == EMPTY {
+            balls::store(&self.balls[row[0] as usize], lane, (joint, self.rate));
+        } else {
+            self.store_link((joint, axes), row, lane);
+            if !(joint.is_finite() && axes.iter().all(AxisRow::is_finite)) {
+                joint.forget();
+                axes.iter_mut().for_each(AxisRow::forget);
+                axes.iter_mut().for_each(|axis| axis.turn = 0.0);
+                joint.slip = 0.0;
+            }
+        }
+        if length(joint.force) > joint.break_force || length(joint.torque) > joint.break_torque {
+            joint.flags |= BROKEN;
+        }
+    }
+
+    fn store_link(&self, (joint, axes): (&mut JointRow, &mut [AxisRow; 6]), row: [u32; 3], lane: usize) {
+        let [link, locks, bounds] = row.map(|first| first as usize);
+        let link = &self.links[link];
         let signature = link.signature();
-        let [locks, bounds] = self.firsts[row].map(|first| first as usize);
         let locks = &self.locks[locks..locks + signature.lock_rows()];
         let bounds = &self.bounds[bounds..bounds + signature.bound_rows()];
         let coupled = signature.is_gear() || signature.is_rack();
@@ -476,15 +528,15 @@ impl Results<'_> {
             let impulse = row.impulse.get(lane);
             match bound {
                 Bound::Drive(axis) => {
-                    let own = &mut joint.axes[axis];
+                    let own = &mut axes[axis];
                     own.drive_impulse = impulse;
                     if axis >= 3 && own.has_position_drive() {
                         own.turn = row.low.get(lane) + own.target;
                     }
                 }
-                Bound::Friction(axis) => joint.axes[axis].friction_impulse = impulse,
+                Bound::Friction(axis) => axes[axis].friction_impulse = impulse,
                 Bound::Limit(axis) => {
-                    let own = &mut joint.axes[axis];
+                    let own = &mut axes[axis];
                     own.limit_impulse = impulse;
                     if axis >= 3 {
                         let from_low = own.lower.is_finite();
@@ -499,13 +551,5 @@ impl Results<'_> {
             }
         }
         (joint.force, joint.torque) = (link.turn_push.get(lane), link.turn_a.get(lane));
-        if !joint.is_finite() {
-            joint.forget();
-            joint.axes.iter_mut().for_each(|axis| axis.turn = 0.0);
-            joint.slip = 0.0;
-        }
-        if length(joint.force) > joint.break_force || length(joint.torque) > joint.break_torque {
-            joint.flags |= BROKEN;
-        }
     }
 }

@@ -41,8 +41,11 @@ pub(crate) struct Group {
     pub points: u32,
     /// 1 when some link of the group may bounce.
     pub bounces: u32,
+    /// Rows of joints, of which those of plain balls come first.
     pub first_joint: u32,
     pub joints: u32,
+    pub first_ball: u32,
+    pub balls: u32,
     pub first_lock: u32,
     pub locks: u32,
     pub first_bound: u32,
@@ -78,8 +81,9 @@ pub(crate) struct Plan {
     pub seats: usize,
     pub rows: usize,
     pub points: usize,
-    /// Rows of joints, and their rows that hold and that have bounds.
+    /// Rows of joints, those of them that are of plain balls, and the others' rows that hold and that have bounds.
     pub joints: usize,
+    pub balls: usize,
     pub locks: usize,
     pub bounds: usize,
     /// Nodes and blocks of matrices.
@@ -173,6 +177,7 @@ pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>) -> Plan 
         rows: 0,
         points: 0,
         joints: 0,
+        balls: 0,
         locks: 0,
         bounds: 0,
         nodes: 0,
@@ -254,6 +259,7 @@ fn lay_out_articulations(schedule: &Schedule<'_>, tables: &mut Tables<'_>, plan:
             phase: plan.phase_count as u32,
             first_row: plan.rows as u32,
             first_joint: plan.joints as u32,
+            first_ball: plan.balls as u32,
             first_lock: plan.locks as u32,
             first_bound: plan.bounds as u32,
             first_articulation: (i * share) as u32,
@@ -392,6 +398,7 @@ fn place_joints(
         }
         if group.joints == 0 {
             group.first_joint = plan.joints as u32;
+            group.first_ball = plan.balls as u32;
             (group.first_lock, group.first_bound) = (plan.locks as u32, plan.bounds as u32);
         }
         let lane = (key >> LANE_SHIFT) as usize % LANES;
@@ -401,10 +408,13 @@ fn place_joints(
             let link = &schedule.links[schedule.order[order_of(key)] as usize];
             let signature = Signature(link.kind);
             tables.lane_joints[plan.joints] = [EMPTY; LANES];
+            let is_ball = signature == Signature::PLAIN;
             plan.joints += 1;
+            plan.balls += usize::from(is_ball);
             plan.locks += signature.lock_rows();
             plan.bounds += signature.bound_rows();
             group.joints += 1;
+            group.balls += u32::from(is_ball);
             group.locks += signature.lock_rows() as u32;
             group.bounds += signature.bound_rows() as u32;
         }

@@ -7,7 +7,7 @@ use crate::body::{BodyRow, Motion};
 use crate::collide::vector64::{Vector, dot, to_f64, to_vec3};
 use crate::config::{LINEAR_SPEED_MAX, TURN_MAX};
 use crate::constraint::velocities::root_times;
-use crate::lanes::{LANES, Lane, LaneVec, Words, transpose, transpose_back};
+use crate::lanes::{LANES, Lane, LaneVec, Words, each_lane, transpose, transpose_back};
 use crate::math::{Rotation, Vec3, length, min};
 use crate::pipeline::integration::{self, LaneRotation, SPLITS_MAX, TURN_STEP};
 use crate::pipeline::seat::Seat;
@@ -208,7 +208,7 @@ impl MoverRow {
     /// it would have with them.
     #[cold]
     fn take_nudges(&self, seats: &[Seat; LANES], substep: f32) -> Nudge {
-        let n = transpose([0, 1, 2, 3, 4, 5, 6, 7].map(|lane: usize| seats[lane].moved));
+        let n = transpose(each_lane(|lane| seats[lane].moved));
         let (linear, whitened) = (LaneVec::new(n[0], n[1], n[2]), LaneVec::new(n[4], n[5], n[6]));
         let turn = root_times(&self.turn, whitened);
         let tops = self.top.greater(Lane::ZERO);
@@ -415,7 +415,7 @@ fn top_words((active, motion, row): (&Active, &Motion, &BodyRow), substep: f32) 
 /// Linear and whitened angular velocities of eight seats.
 #[inline(always)]
 fn velocities(seats: &[Seat; LANES]) -> (LaneVec, LaneVec) {
-    let u = transpose([0, 1, 2, 3, 4, 5, 6, 7].map(|lane: usize| seats[lane].velocity));
+    let u = transpose(each_lane(|lane| seats[lane].velocity));
     (LaneVec::new(u[0], u[1], u[2]), LaneVec::new(u[4], u[5], u[6]))
 }
 

@@ -19,7 +19,9 @@ use crate::shape::{
     FRESH, GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER,
     GEOMETRY_HEIGHT_FIELD, GEOMETRY_MESH, ShapeRow,
 };
-use crate::state::{AssetTables, Birth, Cache, ContactRow, Memo, Pair, Scratch, State, Tag, Touch};
+use crate::state::{
+    AssetTables, Birth, Cache, ContactRow, MEMOS_FIT, MEMOS_MARKED, Memo, Pair, Scratch, State, Tag, Touch,
+};
 use bytemuck::Zeroable;
 
 /// Pairs that are worth a task.
@@ -34,7 +36,7 @@ pub(crate) fn run<E: Executor>(
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> Change {
     let yields = collide_pairs(state, (assets, settings), (cache, scratch), crew);
-    cache.header[0].memos_fit = 1;
+    cache.header[0].memos_fit = MEMOS_FIT;
     let change = contacts::merge(state, (cache, scratch), (&yields, woken), (crew, counts));
     for &slot in &scratch.moved[..moved] {
         state.shapes[slot as usize].flags &= !FRESH;
@@ -63,7 +65,7 @@ fn collide_pairs<E: Executor>(
         assets,
         dt: settings.dt,
         continuous: settings.continuous,
-        memos_fit: cache.header[0].memos_fit != 0,
+        memos_fit: cache.header[0].memos_fit,
         marks: scratch.is_moved,
         any_sleeps: header.asleep > 0,
     };
@@ -117,7 +119,8 @@ struct Look<'a> {
     assets: &'a AssetTables<'a>,
     dt: f32,
     continuous: bool,
-    memos_fit: bool,
+    /// See `CacheHeader`.
+    memos_fit: u32,
     /// Which shapes sleep; see `broadphase.rs`.
     marks: &'a [u8],
     /// Whether any does.
@@ -359,7 +362,7 @@ impl Task<'_> {
         if let (Some(row), Some(radii)) = (self.rows[first..self.next].first(), radii) {
             let near = |base| found.meeting.is_near(&base, radii);
             let stays = settles && row.tag.is_settled() && meeting::unpack(&row.memory).is_some_and(near);
-            if stays && (look.memos_fit || self.remember(look, &found, first)) {
+            if stays && (self.knows(look, first) || self.remember(look, &found, first)) {
                 self.touches[first] = found.settled_touch(look);
                 return;
             }
@@ -436,6 +439,12 @@ impl Task<'_> {
         same
     }
 
+    /// True when the memo of a settled contact is there.
+    #[inline(always)]
+    fn knows(&self, look: &Look<'_>, place: usize) -> bool {
+        look.memos_fit == MEMOS_FIT || (look.memos_fit == MEMOS_MARKED && self.memos[place].is_unknown == 0)
+    }
+
     /// Finds the points of a settled contact again. False when they are not those of the contact.
     fn remember(&mut self, look: &Look<'_>, found: &Found<'_>, place: usize) -> bool {
         let memo = meeting::memo_again(&self.rows[place], found.shapes, found.exchanged, look.assets);
@@ -448,7 +457,7 @@ impl Task<'_> {
         for place in first..self.next {
             let row = self.rows[place];
             let settled = row.tag.is_settled();
-            let remembered = !settled || look.memos_fit || self.remember(look, found, place);
+            let remembered = !settled || self.knows(look, place) || self.remember(look, found, place);
             let features = match (settled, remembered) {
                 (false, _) => [row.memory[0], row.memory[1], row.memory[2], row.memory[3]],
                 (_, true) => self.memos[place].tail,

@@ -6,12 +6,15 @@
 use crate::cells::{self, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDERED, Upkeep};
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
+use crate::joint::Signature;
 use crate::joint::{BROKEN, JointRow};
-use crate::pipeline::articulations;
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::state::{Cache, CacheHeader, ContactRow, Scratch, State, Touch};
+use crate::pipeline::{articulations, balls};
+use crate::state::{
+    Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
+};
 
 /// Contacts whose links are worth a task.
 const LINK_CONTACTS: usize = 1024;
@@ -68,7 +71,7 @@ fn keep(
 ) -> bool {
     let all = count.contacts + count.joints;
     let joints = follow_joints(state, scratch, (change.lost, count.joints));
-    let fits = cache.header[0].ordering_fits != 0;
+    let fits = cache.header[0].ordering_fits == ORDERING_FITS;
     let same = !change.any && !joints.any && state.ordering[0].is_calm();
     if same && fits {
         return true;
@@ -83,9 +86,16 @@ fn keep(
     for (phase, &slot) in phases[count.contacts..].iter_mut().zip(slots) {
         *phase = state.joints[slot as usize].phase as u8;
     }
-    cache.header[0].ordering_fits = 1;
+    let unchecked = cache.header[0].ordering_fits == ORDERING_UNCHECKED;
+    cache.header[0].ordering_fits = ORDERING_FITS;
     if same {
-        upkeep.recall(links, phases, state.dirt, scratch.ordering);
+        if unchecked && upkeep.is_of(links, phases) {
+            upkeep.refresh_dirt(state.dirt);
+        } else {
+            upkeep.recall(links, phases, state.dirt, scratch.ordering);
+            // The layout is of the ordering that was.
+            cache.header[0].laid_out = 0;
+        }
         note_joints((&mut cache.header[0], cache.ordered_joints), (slots, count));
         return true;
     }
@@ -287,7 +297,10 @@ fn write_joints(
     for (rank, &slot) in scratch.held_slots[..held].iter().enumerate() {
         let place = cache.joint_order[rank] as usize;
         scratch.joint_slots[place] = slot;
-        let Link { a, b, kind } = scratch.held_links[rank];
+        let link = scratch.held_links[rank];
+        let is_plain = place < loose && balls::is_plain(state, &state.joints[slot as usize], &link);
+        let Link { a, b, kind } =
+            Link { kind: if is_plain { Signature::PLAIN.0 } else { link.kind }, ..link };
         let (a, b) = if a == IMMOVABLE { (b, a) } else { (a, b) };
         let active = |body: u32| active_of.get(body as usize).copied().unwrap_or(IMMOVABLE);
         let i = contacts + place;

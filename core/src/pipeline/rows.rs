@@ -9,7 +9,7 @@ use crate::cells::IMMOVABLE;
 use crate::constraint::contact::press_mass;
 use crate::constraint::row::{LinkRow, PointRow, ResistRow};
 use crate::constraint::velocities::{free_axes, root_times};
-use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, transpose};
+use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, each_lane, transpose};
 use crate::math::{Vec3, max};
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::chord;
@@ -102,8 +102,8 @@ struct Body {
 
 impl Body {
     fn of(bodies: [&Active; LANES]) -> Self {
-        let u = transpose(bodies.map(|body| words::<_, 3>(body)[0]));
-        let r = transpose(bodies.map(|body| words::<_, 3>(body)[1]));
+        let u = transpose(each_lane(|lane| words::<_, 3>(bodies[lane])[0]));
+        let r = transpose(each_lane(|lane| words::<_, 3>(bodies[lane])[1]));
         Self {
             linear: LaneVec::new(u[0], u[1], u[2]),
             angular: LaneVec::new(u[4], u[5], u[6]),
@@ -147,14 +147,15 @@ struct Sides {
 }
 
 /// A frame in every lane.
-struct Frame {
-    position: LaneVec,
+pub(crate) struct Frame {
+    pub position: LaneVec,
     /// Columns of the rotation.
     axes: [LaneVec; 3],
 }
 
 impl Frame {
-    fn of(frames: [Words; LANES]) -> Self {
+    /// From `[position, 0, rotation]` of each lane.
+    pub fn of(frames: [Words; LANES]) -> Self {
         let [px, py, pz, _, x, y, z, w] = transpose(frames);
         let (one, two) = (Lane::splat(1.0), Lane::splat(2.0));
         let (x2, y2, z2) = (two * x, two * y, two * z);
@@ -172,7 +173,7 @@ impl Frame {
     }
 
     #[inline(always)]
-    fn rotate(&self, v: LaneVec) -> LaneVec {
+    pub fn rotate(&self, v: LaneVec) -> LaneVec {
         self.axes[0].times(v.x) + self.axes[1].times(v.y) + self.axes[2].times(v.z)
     }
 }
@@ -518,7 +519,7 @@ fn words_of(memos: [&Memo; LANES], several: bool) -> [Lane; 32] {
     let mut found = [Lane::ZERO; 32];
     // The second run of words has the points on A after the first: 1 to 3.
     for (k, own) in found.chunks_exact_mut(8).enumerate().filter(|&(k, _)| several || k != 1) {
-        own.copy_from_slice(&transpose(memos.map(|memo| words::<_, 4>(memo)[k])));
+        own.copy_from_slice(&transpose(each_lane(|lane| words::<_, 4>(memos[lane])[k])));
     }
     found
 }

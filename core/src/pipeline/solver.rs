@@ -8,7 +8,7 @@
 
 use crate::config::Settings;
 use crate::constraint::contact::{self, Pass, Sweep};
-use crate::constraint::joint::{self, BlockRow, BoundRow, JointLink, LockRow, NodeRow};
+use crate::constraint::joint::{self, BallRow, BlockRow, BoundRow, JointLink, LockRow, NodeRow};
 use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
@@ -36,6 +36,9 @@ pub(crate) struct Rows<'a> {
 /// Rows of joints.
 #[derive(Default)]
 pub(crate) struct JointRows<'a> {
+    /// Of plain balls.
+    pub balls: &'a mut [BallRow],
+    /// Of other joints.
     pub links: &'a mut [JointLink],
     pub locks: &'a mut [LockRow],
     pub bounds: &'a mut [BoundRow],
@@ -49,7 +52,8 @@ impl<'a> JointRows<'a> {
     fn from(self, groups: &[Group]) -> Self {
         let Some(first) = groups.iter().find(|group| group.joints > 0) else { return Self::default() };
         Self {
-            links: &mut self.links[first.first_joint as usize..],
+            balls: &mut self.balls[first.first_ball as usize..],
+            links: &mut self.links[(first.first_joint - first.first_ball) as usize..],
             locks: &mut self.locks[first.first_lock as usize..],
             bounds: &mut self.bounds[first.first_bound as usize..],
             nodes: &mut self.nodes[first.first_node as usize..],
@@ -59,8 +63,8 @@ impl<'a> JointRows<'a> {
 
     /// The same rows, for a while.
     pub fn reborrow(&mut self) -> JointRows<'_> {
-        let Self { links, locks, bounds, nodes, blocks } = self;
-        JointRows { links, locks, bounds, nodes, blocks }
+        let Self { balls, links, locks, bounds, nodes, blocks } = self;
+        JointRows { balls, links, locks, bounds, nodes, blocks }
     }
 
     /// Cuts the rows of groups in a row off.
@@ -68,7 +72,8 @@ impl<'a> JointRows<'a> {
         let joints = if self.links.is_empty() { &[] } else { groups };
         let sum = |count: fn(&Group) -> u32| joints.iter().map(count).sum::<u32>() as usize;
         JointRows {
-            links: take(&mut self.links, sum(|group| group.joints)),
+            balls: take(&mut self.balls, sum(|group| group.balls)),
+            links: take(&mut self.links, sum(|group| group.joints - group.balls)),
             locks: take(&mut self.locks, sum(|group| group.locks)),
             bounds: take(&mut self.bounds, sum(|group| group.bounds)),
             nodes: take(&mut self.nodes, sum(|group| group.nodes)),
@@ -259,7 +264,8 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
 fn sweep_rows(task: &mut Task<'_>, sweep: &Sweep) {
     let seats = &mut *task.seats;
     if task.patterns.rows.is_empty() {
-        let JointRows { links, locks, bounds, .. } = &mut task.joints;
+        let JointRows { balls, links, locks, bounds, .. } = &mut task.joints;
+        BallRow::visit_all(balls, sweep, seats);
         joint::visit(sweep, links, (locks, bounds), seats);
     } else {
         task.patterns.each(task.joints.reborrow(), |articulation| articulation.visit(sweep, seats));

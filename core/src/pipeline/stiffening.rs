@@ -12,7 +12,7 @@
 //! load of half a ton on.
 
 use crate::body::BodyRow;
-use crate::math::{Rotation, Vec3, max, sqrt};
+use crate::math::{Rotation, Vec3, max, min, sqrt};
 use crate::state::{Active, State};
 
 /// What the principal moments of a body gain in a step, kg m2. The forces are those of the step before.
@@ -23,6 +23,9 @@ pub(crate) fn stiffening(state: &State<'_>, body: u32, substep: f32) -> Vec3 {
     }
     let row = &state.bodies[body as usize];
     let motion = &state.motions[body as usize];
+    if !is_loaded(state, (body, next), substep) {
+        return Vec3::ZERO;
+    }
     let to_body = motion.rotation.inverse();
     let to_principal = row.axes.inverse();
     // K about the principal axes: diagonal, then xy, xz, yz.
@@ -53,6 +56,25 @@ pub(crate) fn stiffening(state: &State<'_>, body: u32, substep: f32) -> Vec3 {
         );
     let gain = sums * (substep * substep) - i;
     Vec3::new(max(gain.x, 0.0), max(gain.y, 0.0), max(gain.z, 0.0))
+}
+
+/// False when no axis of a body can gain anything: its joints' forces are too small for any direction of theirs.
+fn is_loaded(state: &State<'_>, (body, first): (u32, u32), substep: f32) -> bool {
+    let row = &state.bodies[body as usize];
+    let mut loads = 0.0;
+    let mut next = first;
+    while next != 0 {
+        let joint = &state.joints[next as usize - 1];
+        let arm = joint.frames[usize::from(joint.bodies[0] != body)].position - row.local_center;
+        loads += sqrt(joint.force.length_squared() * arm.length_squared());
+        next = joint.next_of(body);
+    }
+    // An element of K is at most the load, one beside the diagonal half of it.
+    let Vec3 { x, y, z } = row.inertia;
+    let (least, most) = (min(min(x, y), z), max(max(x, y), z));
+    let sums = loads * (1.0 + sqrt(most / least));
+    // The margin is for rounding.
+    !(sums * (substep * substep) < 0.99 * least)
 }
 
 /// The angular velocity that a body's momentum means with its inertia in this step: what it gains of inertia it

@@ -13,8 +13,8 @@ const P3: u64 = 0x1656_67B1_9E37_79F9;
 const P4: u64 = 0x85EB_CA77_C2B2_AE63;
 const P5: u64 = 0x27D4_EB2F_1656_67C5;
 
-/// XXH64 of some bytes.
-pub(crate) fn hash(bytes: &[u8], seed: u64) -> u64 {
+/// XXH64 of some bytes: the hash of checksums, snapshots and replays, the same on every machine.
+pub fn hash(bytes: &[u8], seed: u64) -> u64 {
     let mut rest = bytes;
     let mut h = if bytes.len() >= 32 {
         let mut lanes =

@@ -6,7 +6,7 @@ use crate::arena::Line;
 use crate::body::turned_frame;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
-use crate::joint::{Axis, BROKEN, Coupling, JointDef, JointRow};
+use crate::joint::{Axis, AxisRow, BROKEN, Coupling, Joint, JointDef, JointRow};
 use crate::math::{Pose, Vec3, length};
 use crate::pipeline::joints::turns_of;
 use crate::pool;
@@ -27,15 +27,15 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if slots[0] == slots[1] {
             return Err(Error::OutOfRange { name: "bodies" });
         }
-        let row = JointRow::new(slots, def);
+        let joint = Joint::new(slots, def);
         let mut state = self.state_view();
-        let bounds = row.signature().bound_rows() as u32;
+        let bounds = joint.signature().bound_rows() as u32;
         check_bounds(&state, 0, bounds)?;
         let marks = &mut state.header[0].joints;
         let slot = pool::acquire(marks, state.joint_used, state.joint_generations)
             .ok_or(Error::Full { name: "joints" })?;
         state.header[0].joint_bounds += bounds;
-        state.joints[slot as usize] = row;
+        put(&mut state, slot as usize, &joint);
         append(&mut state, slot);
         meet_again(&mut state, slots);
         let handle = JointHandle { index: slot, generation: state.joint_generations[slot as usize] };
@@ -92,7 +92,10 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// # Errors
     /// [`Error::Stale`], as for all accessors of a joint.
     pub fn joint(&self, joint: JointHandle) -> Result<JointDef, Error> {
-        let row = self.joint_row(joint)?;
+        let slot = self.joint_slot(joint)?;
+        let spans = &self.layout.state;
+        let axes = spans.joint_axes.of(self.state())[slot];
+        let row = Joint { row: spans.joints.of(self.state())[slot], axes };
         let generations = self.layout.state.body_generations.of(self.state());
         let bodies = row.bodies.map(|index| BodyHandle { index, generation: generations[index as usize] });
         Ok(row.read(bodies).expect("joints in the state are valid"))
@@ -110,14 +113,14 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             return Err(Error::WrongKind { needs: "a joint keeps its bodies; make another one" });
         }
         let mut state = self.state_view();
-        let old = state.joints[slot];
-        let mut row = JointRow::new(old.bodies, def);
+        let old = get(&state, slot);
+        let mut row = Joint::new(old.bodies, def);
         let (before, after) = (old.signature(), row.signature());
         check_bounds(&state, before.bound_rows() as u32, after.bound_rows() as u32)?;
         state.header[0].joint_bounds += after.bound_rows() as u32;
         state.header[0].joint_bounds -= before.bound_rows() as u32;
         row.carry_over(&old);
-        state.joints[slot] = row;
+        put(&mut state, slot, &row);
         meet_again(&mut state, old.bodies);
         self.touch_trees();
         Ok(())
@@ -136,14 +139,13 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             return Err(Error::OutOfRange { name: "index" });
         }
         let mut state = self.state_view();
-        let mut row = state.joints[slot];
+        let mut row = get(&state, slot);
         let before = row.signature().bound_rows() as u32;
-        row.axes[index].define(axis);
+        row.define_axis(index, axis);
         let after = row.signature().bound_rows() as u32;
         check_bounds(&state, before, after)?;
         state.header[0].joint_bounds = state.header[0].joint_bounds - before + after;
-        row.drop_unused();
-        state.joints[slot] = row;
+        put(&mut state, slot, &row);
         row.bodies.iter().for_each(|&body| wake_slot(&mut state, body as usize));
         Ok(())
     }
@@ -216,6 +218,14 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     }
 }
 
+fn get(state: &State<'_>, slot: usize) -> Joint {
+    Joint { row: state.joints[slot], axes: state.joint_axes[slot] }
+}
+
+fn put(state: &mut State<'_>, slot: usize, joint: &Joint) {
+    (state.joints[slot], state.joint_axes[slot]) = (joint.row, joint.axes);
+}
+
 /// Refuses a joint for whose limits, drives and frictions there is no room.
 fn check_bounds(state: &State<'_>, before: u32, after: u32) -> Result<(), Error> {
     let total = state.header[0].joint_bounds - before + after;
@@ -273,6 +283,7 @@ fn remove(state: &mut State<'_>, joint: u32) {
     }
     meet_again(state, row.bodies);
     state.joints[joint as usize] = JointRow::zeroed();
+    state.joint_axes[joint as usize].fill(AxisRow::zeroed());
     let header = &mut state.header[0];
     header.joint_bounds -= row.signature().bound_rows() as u32;
     header.joints_stale = 1;

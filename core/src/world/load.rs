@@ -13,7 +13,7 @@ use crate::cells::CELLULAR_PHASES_MAX;
 use crate::config::{SECTOR_MAX, SECTOR_REACH};
 use crate::error::{Error, SnapshotError};
 use crate::event::{BodyNews, EventRow, Tenant, Visit};
-use crate::joint::JointRow;
+use crate::joint::{AxisRow, JointRow};
 use crate::material::{MaterialRow, PairRule};
 use crate::math::{Rotation, Vec3};
 use crate::pipeline::meeting;
@@ -27,21 +27,21 @@ use bytemuck::{AnyBitPattern, Zeroable};
 const COUNTER_MAX: u64 = 1 << 63;
 
 /// Rows of a section in bytes of any alignment.
-struct Rows<'a, T> {
+pub(super) struct Rows<'a, T> {
     bytes: &'a [u8],
     kind: core::marker::PhantomData<T>,
 }
 
 impl<'a, T: AnyBitPattern> Rows<'a, T> {
-    fn new(bytes: &'a [u8]) -> Self {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, kind: core::marker::PhantomData }
     }
 
-    fn len(&self) -> u32 {
+    pub(super) fn len(&self) -> u32 {
         (self.bytes.len() / size_of::<T>()) as u32
     }
 
-    fn get(&self, index: u32) -> T {
+    pub(super) fn get(&self, index: u32) -> T {
         let start = index as usize * size_of::<T>();
         bytemuck::pod_read_unaligned(&self.bytes[start..start + size_of::<T>()])
     }
@@ -67,6 +67,7 @@ struct Parts<'a> {
     asleep_contacts: Rows<'a, ContactRow>,
     dirt: Rows<'a, u8>,
     joints: Rows<'a, JointRow>,
+    joint_axes: Rows<'a, [AxisRow; 6]>,
     joint_generations: Rows<'a, u32>,
     joint_used: Rows<'a, u64>,
     first_joints: Rows<'a, u32>,
@@ -124,6 +125,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             _,
             dirt,
             joints,
+            joint_axes,
             joint_generations,
             joint_used,
             first_joints,
@@ -149,6 +151,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             asleep_contacts: Rows::new(asleep_contacts),
             dirt: Rows::new(dirt),
             joints: Rows::new(joints),
+            joint_axes: Rows::new(joint_axes),
             joint_generations: Rows::new(joint_generations),
             joint_used: Rows::new(joint_used),
             first_joints: Rows::new(first_joints),
@@ -171,7 +174,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             tables: self.asset_tables(),
         };
         parts.check(&limits)?;
-        self.copy_in(snapshot, &header);
+        self.copy_in(snapshot, &header, 0);
+        self.drop_caches();
         Ok(())
     }
 }

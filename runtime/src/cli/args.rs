@@ -9,8 +9,9 @@ Examples:
   cellstep run mixed_pile --size 5000 --workers 2 --json
   cellstep scene wall --size 10 > wall.json && cellstep run wall.json
   cellstep import model.xml -o model.json
+  cellstep run ragdolls --record game.replay && cellstep verify game.replay
 
-Exit codes: 0 done, 2 wrong usage or a wrong scene.";
+Exit codes: 0 done, 2 wrong usage or a wrong scene. Those of replays: see `cellstep verify --help`.";
 
 /// Runs scenes of rigid bodies, with the same bits for any number of workers.
 #[derive(Debug, Parser)]
@@ -32,6 +33,12 @@ pub enum Command {
     Scene(SceneArgs),
     /// Turns a model in MJCF, MuJoCo's XML format, into a scene document.
     Import(ImportArgs),
+    /// Plays replays and tells whether the same bits come out: a line of JSON for each.
+    Verify(VerifyArgs),
+    /// Finds where two runs parted: step, stage, body, field and both values.
+    Bisect(BisectArgs),
+    /// Tells what is in a replay.
+    Inspect(InspectArgs),
 }
 
 const RUN_HELP: &str = "\
@@ -64,6 +71,120 @@ pub struct RunArgs {
     pub size: Option<u32>,
     /// Print one JSON object and nothing else.
     #[arg(long)]
+    pub json: bool,
+    /// Records a replay. Times then include the recording.
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Steps from checksums to checksums of the replay; 0 for those at the end alone.
+    #[arg(long, value_name = "K", default_value_t = 10, requires = "record")]
+    pub checksums_every: u32,
+    /// Steps from keyframe to keyframe of the replay; 0 for the first state alone.
+    #[arg(long, value_name = "N", default_value_t = 600, requires = "record")]
+    pub keyframes_every: u32,
+}
+
+const VERIFY_HELP: &str = "\
+For each replay a line of JSON: `index` in the list, `file`, `result` (same, diverged, corrupt, version or
+unreadable), and what there is to tell: `steps`, `complete`, `compared` checksums and keyframes, the `step` and
+`sections` of a divergence, a `message`. The last line is a `summary`. The lines stand in the order of the list,
+however many workers there are.
+
+A shard takes each N-th replay of the list, from the I-th on, I being 0..N-1. `--merge` takes the outputs of all
+shards and prints what one run over the whole list prints.
+
+Exit codes: 0 all same, 1 one diverged, 3 one is corrupt, 4 one is of another version, 2 wrong usage or one cannot
+be read; of several the first in this order.
+
+Examples:
+  cellstep verify *.replay --workers 8
+  find . -name '*.replay' | sort | cellstep verify --list - --shard 3/16 > shard3.jsonl
+  cellstep verify --merge shard*.jsonl";
+
+/// Arguments of `verify`.
+#[derive(Args, Debug)]
+#[command(after_help = VERIFY_HELP)]
+pub struct VerifyArgs {
+    /// Replays; with --merge outputs of shards.
+    #[arg(required_unless_present = "list")]
+    pub files: Vec<PathBuf>,
+    /// A file with a replay's path on each line, after those of the command line; `-` is standard input.
+    #[arg(long, value_name = "FILE")]
+    pub list: Option<PathBuf>,
+    /// Replays that are played side by side [default: one for each processor].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub workers: Option<u16>,
+    /// Greatest memory of a replay's world, MiB: a file from a stranger may ask for any.
+    #[arg(long, value_name = "MIB", default_value_t = 4096)]
+    pub memory: u64,
+    /// Plays a part of the list only.
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<(u32, u32)>,
+    /// Puts the outputs of all shards of a list together.
+    #[arg(long, conflicts_with_all = ["list", "workers", "shard"])]
+    pub merge: bool,
+}
+
+/// `I/N` with I below N.
+fn shard(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    let expected = || "expected I/N with I from 0 to N - 1, as 0/4".to_string();
+    parts.filter(|(index, count): &(u32, u32)| index < count).ok_or_else(expected)
+}
+
+const BISECT_HELP: &str = "\
+Two replays of one game, recorded on two machines: plays the first one here, and says at which step the two tell
+of different states, commands or outcomes. Where both have keyframes near, or this machine agrees with one of them,
+it names the body and the field with both values.
+
+With --against-self one replay: plays it twice side by side, on one thread and on several with all caches dropped
+before each step, compares after each stage of each step, and both with what was recorded.
+
+Exit codes: 0 no difference, 1 there is one, 2 wrong usage, 3 corrupt, 4 another version.
+
+Examples:
+  cellstep bisect mine.replay theirs.replay
+  cellstep bisect game.replay --against-self --workers 8 --json";
+
+/// Arguments of `bisect`.
+#[derive(Args, Debug)]
+#[command(after_help = BISECT_HELP)]
+pub struct BisectArgs {
+    /// A replay.
+    pub a: PathBuf,
+    /// Another replay of the same game.
+    #[arg(required_unless_present = "against_self", conflicts_with = "against_self")]
+    pub b: Option<PathBuf>,
+    /// Compares the replay with itself.
+    #[arg(long)]
+    pub against_self: bool,
+    /// Threads of the second of two runs.
+    #[arg(long, value_name = "N", default_value_t = 3,
+        value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub workers: u16,
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    pub json: bool,
+}
+
+const INSPECT_HELP: &str = "\
+Exit codes: 0 done, 2 wrong usage, 3 corrupt, 4 another version.
+
+Examples:
+  cellstep inspect game.replay
+  cellstep inspect game.replay --step 200";
+
+/// Arguments of `inspect`.
+#[derive(Args, Debug)]
+#[command(after_help = INSPECT_HELP)]
+pub struct InspectArgs {
+    /// A replay.
+    pub file: PathBuf,
+    /// Prints the commands of this step and their outcomes, one a line, instead: those before the world's N-th
+    /// step.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub step: Option<u64>,
+    /// Print one JSON object and nothing else.
+    #[arg(long, conflicts_with = "step")]
     pub json: bool,
 }
 

@@ -4,17 +4,19 @@ use crate::args::RunArgs;
 use crate::import;
 use crate::report::{Report, StageMs};
 use cellstep::executor::Stage;
+use cellstep::replay::{AssetSet, Options, Recorder};
 use cellstep::scene::builtin::{BUILTIN, Builtin};
 use cellstep::scene::{self, Build, Limits, Scene};
-use cellstep::{Pool, Timed};
+use cellstep::{Memory, Pool, Timed, World};
 use indicatif::{ProgressBar, ProgressStyle};
+use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Makes the scene, steps it, and tells what happened. Errors are for the user.
 pub fn run(args: &RunArgs) -> Result<Report, String> {
-    let Build { mut world, notes, .. } = build(args)?;
+    let Build { mut world, notes, assets, .. } = build(args)?;
     for (mesh, notes) in &notes {
         // A note that cannot be shown is no reason to stop.
         let _ = writeln!(io::stderr(), "note: mesh `{mesh}`: {notes}");
@@ -27,13 +29,17 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
     let workers = args.workers.map_or_else(processors, usize::from);
     let pool = Pool::new(workers).map_err(|error| format!("--workers {workers}: {error}"))?;
     let mut executor = Timed::new(pool);
+    let mut recorder = args.record.as_ref().map(|_| recorder(args, &world, &assets)).transpose()?;
     let bar = progress_bar(args);
     let mut spent = Duration::ZERO;
     let mut last = None;
     let (mut dropped, mut quarantined, mut barriers) = (0u64, 0u64, 0u64);
     for _ in 0..args.steps {
         let start = Instant::now();
-        let report = world.step(&mut executor);
+        let report = match &mut recorder {
+            Some(recorder) => recorder.step(&mut world, &mut executor),
+            None => world.step(&mut executor),
+        };
         spent += start.elapsed();
         dropped += u64::from(report.dropped);
         quarantined += u64::from(report.quarantined);
@@ -42,6 +48,9 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if let Some(recorder) = recorder {
+        recorder.finish(&world).map_err(|error| format!("the replay is not whole: {error}"))?;
+    }
     let per_step = |total: f64| if args.steps == 0 { 0.0 } else { total / f64::from(args.steps) };
     let ms = |time: Duration| per_step(time.as_secs_f64() * 1.0e3);
     let times = executor.times();
@@ -78,7 +87,22 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
     })
 }
 
-fn processors() -> usize {
+/// Every record is written at once, so that nothing is lost in a crash.
+fn recorder(args: &RunArgs, world: &World<Memory>, assets: &AssetSet) -> Result<Recorder<File>, String> {
+    let path = args.record.as_deref().unwrap_or(Path::new(""));
+    let size = args.size.map_or(String::new(), |size| format!(" --size {size}"));
+    let options = Options {
+        checksums_every: args.checksums_every,
+        keyframes_every: args.keyframes_every,
+        watches_commands: false,
+        note: format!("cellstep run {}{size}", args.scene),
+    };
+    let refused = |error: &dyn std::fmt::Display| format!("cannot write {}: {error}", path.display());
+    let file = File::create(path).map_err(|error| refused(&error))?;
+    Recorder::new(file, world, assets, &options).map_err(|error| refused(&error))
+}
+
+pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(Pool::WORKERS_MAX))
 }
 

@@ -6,6 +6,7 @@ use super::error::{Problem, SceneError};
 use super::format::*;
 use super::place::Place;
 use super::{Limits, joints, obj, rotation};
+use crate::replay::AssetSet;
 use crate::{Memory, new_world};
 use cellstep_core::collide::height_field::HOLE;
 use cellstep_core::math::{Pose, Rotation, Vec3};
@@ -33,6 +34,8 @@ const ROOM_MAX: u32 = 1 << 24;
 pub struct Build {
     /// The world, before its first step.
     pub world: World<Memory>,
+    /// Its assets, for recordings.
+    pub assets: AssetSet,
     /// Its bodies, in the order of the document.
     pub bodies: Vec<BodyHandle>,
     /// Its joints, in the order of the document.
@@ -108,10 +111,11 @@ impl Scene {
         self.settings.apply(&mut settings);
         settings.gravity = Vec3::from(self.gravity);
         world.set_settings(&settings).map_err(|e| refused(Place::Root.key("settings"), e))?;
-        let assets = register(self, &meshes, &mut world)?;
+        let mut set = AssetSet::new();
+        let assets = register(self, &meshes, (&mut set, &mut world))?;
         let bodies = bodies(self, &assets, &mut world)?;
         let joints = self::joints(self, &bodies, &mut world)?;
-        Ok(Build { world, bodies, joints, notes })
+        Ok(Build { world, assets: set, bodies, joints, notes })
     }
 }
 
@@ -196,7 +200,7 @@ struct Assets<'a> {
 fn register<'a>(
     scene: &'a Scene,
     soups: &[Soup],
-    world: &mut World<Memory>,
+    (set, world): (&mut AssetSet, &mut World<Memory>),
 ) -> Result<Assets<'a>, SceneError> {
     let refused = |table: &str, name: &str, error| {
         SceneError::new(Place::Root.key(table).key(name), Problem::World(error))
@@ -204,7 +208,7 @@ fn register<'a>(
     let mut hulls = BTreeMap::new();
     for (name, hull) in &scene.hulls {
         let points: Vec<Vec3> = hull.points.iter().copied().map(Vec3::from).collect();
-        hulls.insert(name.as_str(), world.add_hull(&points).map_err(|e| refused("hulls", name, e))?);
+        hulls.insert(name.as_str(), set.add_hull(world, &points).map_err(|e| refused("hulls", name, e))?);
     }
     let mut meshes = BTreeMap::new();
     for ((name, doc), soup) in scene.meshes.iter().zip(soups) {
@@ -214,15 +218,15 @@ fn register<'a>(
             MeshDoc::Obj { .. } => Vec::new(),
         };
         let mesh = if surfaces.is_empty() {
-            world.add_mesh(&vertices, &soup.triangles)
+            set.add_mesh(world, &vertices, &soup.triangles)
         } else {
-            world.add_mesh_with_surfaces(&vertices, &soup.triangles, (&soup.surfaces, &surfaces))
+            set.add_mesh_with_surfaces(world, &vertices, &soup.triangles, (&soup.surfaces, &surfaces))
         };
         meshes.insert(name.as_str(), mesh.map_err(|e| refused("meshes", name, e))?);
     }
     let mut height_fields = BTreeMap::new();
     for (name, doc) in &scene.height_fields {
-        let field = height_field(doc, scene, world).map_err(|e| refused("height_fields", name, e))?;
+        let field = height_field(doc, scene, (set, world)).map_err(|e| refused("height_fields", name, e))?;
         height_fields.insert(name.as_str(), field);
     }
     let mut assets = Assets { hulls, meshes, height_fields, compounds: BTreeMap::new() };
@@ -232,7 +236,7 @@ fn register<'a>(
             pose: Pose::new(Vec3::from(child.position), checked(&child.rotation)),
         };
         let children: Vec<CompoundChild> = doc.children.iter().map(child).collect();
-        let compound = world.add_compound(&children).map_err(|e| refused("compounds", name, e))?;
+        let compound = set.add_compound(world, &children).map_err(|e| refused("compounds", name, e))?;
         assets.compounds.insert(name.as_str(), compound);
     }
     Ok(assets)
@@ -250,7 +254,7 @@ fn surfaces(names: &[String], scene: &Scene) -> Vec<Surface> {
 fn height_field(
     doc: &HeightFieldDoc,
     scene: &Scene,
-    world: &mut World<Memory>,
+    (set, world): (&mut AssetSet, &mut World<Memory>),
 ) -> Result<HeightFieldHandle, Error> {
     let surfaces = surfaces(&doc.surfaces, scene);
     let mut cells = doc.cell_surfaces.clone();
@@ -260,14 +264,15 @@ fn height_field(
     for &[column, row] in &doc.holes {
         cells[row as usize * (doc.columns as usize - 1) + column as usize] = HOLE;
     }
-    world.add_height_field(&HeightFieldDef {
+    let def = HeightFieldDef {
         columns: doc.columns,
         rows: doc.rows,
         spacing: doc.spacing,
         heights: &doc.heights,
         cells: &cells,
         surfaces: &surfaces,
-    })
+    };
+    set.add_height_field(world, &def)
 }
 
 fn bodies(

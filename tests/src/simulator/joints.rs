@@ -1,17 +1,16 @@
 //! What the player does with joints: all kinds, where the bodies are or somewhere else.
 
 use super::Simulator;
-use crate::commands::Command;
 use crate::worlds::OwnedWorld;
 use cellstep::joint::axis::{TURN_X, TURN_Z, X, Z};
 use cellstep::math::{Pose, Vec3};
-use cellstep::{Axis, AxisMotion, BodyHandle, Coupling, Drive, JointDef, JointHandle, Spring};
+use cellstep::{Axis, AxisMotion, BodyHandle, Command, Coupling, Drive, JointDef, JointHandle, Spring};
 
 impl Simulator {
     /// A command about joints.
     pub(super) fn of_joint(&mut self, world: &OwnedWorld) -> Command {
         if self.joints.is_empty() || self.random.below(10) < 4 {
-            return Command::CreateJoint(Box::new(self.joint_def(world)));
+            return Command::CreateJoint(self.joint_def(world));
         }
         let joint = self.joint();
         match self.random.below(8) {
@@ -28,9 +27,9 @@ impl Simulator {
                     }
                     _ => {}
                 }
-                Command::SetJoint(joint, Box::new(def))
+                Command::SetJoint(joint, def)
             }
-            4..7 => Command::SetJointAxis(joint, self.random.below(7) as usize, self.axis()),
+            4..7 => Command::SetJointAxis(joint, self.random.below(7) as u32, self.axis()),
             _ => Command::SetJointUser(joint, self.random.bits()),
         }
     }

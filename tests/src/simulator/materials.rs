@@ -1,9 +1,8 @@
 //! Commands about materials and rules for pairs.
 
 use super::Simulator;
-use crate::commands::Command;
 use cellstep::math::Vec3;
-use cellstep::{MaterialTraits, Mix, PairMaterial};
+use cellstep::{Command, MaterialTraits, Mix, PairMaterial};
 
 impl Simulator {
     /// A command about the material of a shape, or about a pair.

@@ -3,10 +3,9 @@
 use super::{ball, cuboid, dynamic};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    AxisLocks, BodyDef, BodyHandle, BodyKind, Error, Filter, Geometry, HullHandle, MassProperties,
+    AxisLocks, BodyDef, BodyHandle, BodyKind, Command, Error, Filter, Geometry, HullHandle, MassProperties,
     MeshHandle, Position, ShapeDef, ShapeHandle,
 };
-use cellstep_tests::commands::Command;
 use cellstep_tests::simulator;
 use cellstep_tests::worlds::{self, OwnedWorld, add, run};
 
@@ -55,10 +54,10 @@ fn refused(world: &mut OwnedWorld, body: BodyHandle, shape: ShapeHandle) {
     let before = world.state().to_vec();
     let (no_body, no_shape) = (Error::Stale { what: "body" }, Error::Stale { what: "shape" });
     for command in of_body(body) {
-        assert_eq!(command.apply(world), Err(no_body), "{command:?}");
+        assert_eq!(world.apply(&command), Err(no_body), "{command:?}");
     }
     for command in of_shape(shape) {
-        assert_eq!(command.apply(world), Err(no_shape), "{command:?}");
+        assert_eq!(world.apply(&command), Err(no_shape), "{command:?}");
     }
     assert_eq!(world.kind(body), Err(no_body));
     assert_eq!(world.is_quarantined(body), Err(no_body));

@@ -2,9 +2,9 @@
 //! after each step.
 
 use cellstep::{
-    BodyHandle, Capacities, Event, EventKind, JointHandle, Serial, ShapeEvents, ShapeHandle, Touching, Visit,
+    BodyHandle, Capacities, Command, Event, EventKind, JointHandle, Serial, ShapeEvents, ShapeHandle,
+    Touching, Visit,
 };
-use cellstep_tests::commands::Command;
 use cellstep_tests::simulator::{self, EVENTFUL, Simulator};
 use cellstep_tests::worlds::OwnedWorld;
 use std::collections::{BTreeMap, BTreeSet};

@@ -6,4 +6,5 @@ mod drives;
 mod limits;
 mod meeting;
 mod partners;
+mod plain;
 mod robust;

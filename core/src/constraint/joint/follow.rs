@@ -1,10 +1,10 @@
 //! Eight joints at their bodies' poses: axes, arms and errors, and what their rows make of them.
 
-use super::super::velocities::root_times;
+use super::super::velocities::{motions, root_times};
 use super::solve::{PIVOT_SHARE, factor, substitute};
 use super::{BoundRow, JointLink, LockRow, Ways};
 use crate::joint::Signature;
-use crate::lanes::{Lane, LaneVec, transpose};
+use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 
 /// Squares of lengths below this have no direction.
@@ -327,8 +327,7 @@ pub(super) fn follow(
 /// Moves arms and axes with the bodies; returns how far B went against A, and how A and B turned.
 fn advance(link: &mut JointLink, seats: &[Seat], substep: f32) -> [LaneVec; 3] {
     let signature = link.signature();
-    let a = transpose(link.seats_a.map(|i| seats[i as usize].moved));
-    let b = transpose(link.seats_b.map(|i| seats[i as usize].moved));
+    let [a, b] = motions((&link.seats_a, &link.seats_b), seats);
     let mut moved = LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     let mut turn_a = root_times(&link.root_a, LaneVec::new(a[4], a[5], a[6]));
     let mut turn_b = root_times(&link.root_b, LaneVec::new(b[4], b[5], b[6]));

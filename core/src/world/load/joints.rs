@@ -3,6 +3,7 @@
 use super::{Checked, Limits, Parts, check_pool, is_zero, require};
 use crate::cells::{CELLULAR_PHASES_MAX, UNORDERED};
 use crate::handle::BodyHandle;
+use crate::joint::{AxisRow, Joint};
 use crate::state::JOINT_BOUNDS;
 
 impl Parts<'_> {
@@ -28,9 +29,9 @@ impl Parts<'_> {
     }
 
     fn joint_holds(&self, slot: u32) -> bool {
-        let row = self.joints.get(slot);
+        let row = Joint { row: self.joints.get(slot), axes: self.joint_axes.get(slot) };
         if !self.joint_is_used(slot) {
-            return is_zero(&row);
+            return is_zero(&row.row) && is_zero(&row.axes);
         }
         let phase = row.phase == u32::from(UNORDERED) || row.phase < CELLULAR_PHASES_MAX as u32;
         let defined = row.read([BodyHandle::default(); 2]).is_some_and(|def| def.check().is_ok());
@@ -39,6 +40,7 @@ impl Parts<'_> {
             && phase
             && defined
             && row.is_finite()
+            && row.axes.iter().all(AxisRow::is_finite)
     }
 
     /// Every joint is in the lists of its two bodies, once.

@@ -1,0 +1,364 @@
+//! Values that C and the engine share.
+
+use crate::error::Failure;
+use bytemuck::{Pod, Zeroable};
+use cellstep::math::{Pose, Rotation, Vec3};
+use cellstep::{
+    BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Settings,
+    ShapeHandle, StepReport,
+};
+
+/// A vector.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CsVec3 {
+    /// Along x.
+    pub x: f32,
+    /// Along y.
+    pub y: f32,
+    /// Along z.
+    pub z: f32,
+}
+
+/// A rotation as a unit quaternion; `w` is the real part.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct CsRotation {
+    /// First imaginary part.
+    pub x: f32,
+    /// Second imaginary part.
+    pub y: f32,
+    /// Third imaginary part.
+    pub z: f32,
+    /// The real part.
+    pub w: f32,
+}
+
+/// Where one frame stands in another.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct CsPose {
+    /// Where the origin is, metres.
+    pub position: CsVec3,
+    /// How the frame is turned.
+    pub rotation: CsRotation,
+}
+
+/// A place in the world: a sector of 64 m and metres from its middle. A zero sector is around the origin; offsets
+/// beyond 33 m are brought to their sector.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CsPosition {
+    /// Sector along x, y and z.
+    pub sector: [i32; 3],
+    /// Metres from the middle of the sector.
+    pub offset: CsVec3,
+}
+
+/// Names a body. Goes stale when the body is removed; exact again after a restore to a time when it existed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct CsBody {
+    /// Slot in the pool.
+    pub index: u32,
+    /// Which tenant of the slot; 0 is never one.
+    pub generation: u32,
+}
+
+/// Names a shape of a body.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct CsShape {
+    /// Slot in the pool.
+    pub index: u32,
+    /// Which tenant of the slot; 0 is never one.
+    pub generation: u32,
+}
+
+/// Names a joint.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct CsJoint {
+    /// Slot in the pool.
+    pub index: u32,
+    /// Which tenant of the slot; 0 is never one.
+    pub generation: u32,
+}
+
+macro_rules! same {
+    ($($own:ident = $engine:ty { $($field:ident),* }),* $(,)?) => { $(
+        impl From<$own> for $engine {
+            fn from(own: $own) -> Self {
+                Self { $($field: own.$field.into()),* }
+            }
+        }
+        impl From<$engine> for $own {
+            fn from(theirs: $engine) -> Self {
+                Self { $($field: theirs.$field.into()),* }
+            }
+        }
+    )* };
+}
+pub(crate) use same;
+
+same! {
+    CsVec3 = Vec3 { x, y, z },
+    CsRotation = Rotation { x, y, z, w },
+    CsPose = Pose { position, rotation },
+    CsBody = BodyHandle { index, generation },
+    CsShape = ShapeHandle { index, generation },
+    CsJoint = JointHandle { index, generation },
+    CsCapacities = Capacities {
+        bodies, shapes, pairs, contacts, joints, hulls, meshes, mesh_vertices, mesh_triangles, height_fields,
+        height_samples, compounds, compound_children, surfaces, materials, pair_rules, events, sensor_visits
+    },
+}
+
+impl From<CsPosition> for Position {
+    fn from(own: CsPosition) -> Self {
+        Self { sector: own.sector, offset: own.offset.into() }.normalized()
+    }
+}
+
+impl From<Position> for CsPosition {
+    fn from(theirs: Position) -> Self {
+        Self { sector: theirs.sector, offset: theirs.offset.into() }
+    }
+}
+
+/// A body that never moves.
+pub const CS_STATIC: u32 = 0;
+/// A body that moves as told; pushes, is not pushed.
+pub const CS_KINEMATIC: u32 = 1;
+/// A body that moves by forces and contacts.
+pub const CS_DYNAMIC: u32 = 2;
+
+/// Static bodies, in sets of kinds.
+pub const CS_STATIC_BIT: u32 = 1;
+/// Kinematic bodies, in sets of kinds.
+pub const CS_KINEMATIC_BIT: u32 = 2;
+/// Dynamic bodies, in sets of kinds.
+pub const CS_DYNAMIC_BIT: u32 = 4;
+/// All kinds of bodies.
+pub const CS_ALL_BITS: u32 = 7;
+
+pub(crate) fn body_kind(kind: u32) -> Result<BodyKind, Failure> {
+    match kind {
+        CS_STATIC => Ok(BodyKind::Static),
+        CS_KINEMATIC => Ok(BodyKind::Kinematic),
+        CS_DYNAMIC => Ok(BodyKind::Dynamic),
+        _ => Err(Failure::UnknownKind("kind")),
+    }
+}
+
+pub(crate) fn body_kinds(bits: u32) -> Result<BodyKinds, Failure> {
+    if bits > CS_ALL_BITS { Err(Failure::UnknownKind("kinds")) } else { Ok(BodyKinds(bits as u8)) }
+}
+
+/// How much a world can hold; part of its behaviour.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct CsCapacities {
+    /// Bodies.
+    pub bodies: u32,
+    /// Shapes of all bodies.
+    pub shapes: u32,
+    /// Pairs of shapes whose boxes overlap.
+    pub pairs: u32,
+    /// Contacts.
+    pub contacts: u32,
+    /// Joints.
+    pub joints: u32,
+    /// Convex hulls.
+    pub hulls: u32,
+    /// Triangle meshes.
+    pub meshes: u32,
+    /// Vertices of all meshes.
+    pub mesh_vertices: u32,
+    /// Triangles of all meshes.
+    pub mesh_triangles: u32,
+    /// Height fields.
+    pub height_fields: u32,
+    /// Samples of all height fields.
+    pub height_samples: u32,
+    /// Compounds.
+    pub compounds: u32,
+    /// Children of all compounds.
+    pub compound_children: u32,
+    /// Surfaces of all meshes and height fields.
+    pub surfaces: u32,
+    /// Distinct traits of materials.
+    pub materials: u32,
+    /// Pairs with a rule of their own.
+    pub pair_rules: u32,
+    /// Events of a step; 0 for none.
+    pub events: u32,
+    /// Shapes in sensors, each counted once for each sensor; 0 for a world without sensors.
+    pub sensor_visits: u32,
+}
+
+/// Room for so many bodies of one shape each with 8 pairs and 5 contacts each, no joints, assets and events.
+#[unsafe(no_mangle)]
+pub extern "C" fn cs_capacities(bodies: u32) -> CsCapacities {
+    // More than the greatest capacity is refused later; the products must not overflow here.
+    Capacities::for_bodies(bodies.min(1 << 24)).into()
+}
+
+/// Contacts are damped springs.
+pub const CS_CONTACT_SOFT: u32 = 0;
+/// Contacts have no softness.
+pub const CS_CONTACT_RIGID: u32 = 1;
+
+/// Everything that a step needs beside bodies and shapes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CsSettings {
+    /// Length of a step, seconds, 0..=0.25.
+    pub dt: f32,
+    /// m/s2.
+    pub gravity: CsVec3,
+    /// 1..=256.
+    pub substeps: u32,
+    /// Sweeps with position correction per substep, 1..=1024.
+    pub sweeps: u32,
+    /// Sweeps without, 0..=1024.
+    pub relax_sweeps: u32,
+    /// Visits of each block in a sweep, 1..=64.
+    pub inner_sweeps: u32,
+    /// `CS_CONTACT_SOFT` or `CS_CONTACT_RIGID`.
+    pub contact_model: u32,
+    /// Hz; 0 follows the substep rate.
+    pub contact_frequency: f32,
+    /// 0..=1000.
+    pub contact_damping_ratio: f32,
+    /// Fastest push-out of overlap, m/s.
+    pub push_speed: f32,
+    /// Approach speed below which nothing bounces, m/s.
+    pub restitution_threshold: f32,
+    /// Target number of links of a block, 8..=4096.
+    pub block_links: u32,
+    /// Seconds of quiet until an island falls asleep; 0 for never.
+    pub sleep_time: f32,
+    /// m/s.
+    pub sleep_speed: f32,
+    /// 1 to stop fast bodies at what they would pass.
+    pub continuous: u32,
+    /// Kinds of events that are told, `CS_TELL_*`.
+    pub events: u32,
+    /// Approach speed from which on a contact is a hit, m/s.
+    pub hit_speed: f32,
+    /// 1 for steps that note which bodies moved.
+    pub moved_list: u32,
+}
+
+impl From<Settings> for CsSettings {
+    fn from(s: Settings) -> Self {
+        Self {
+            dt: s.dt,
+            gravity: s.gravity.into(),
+            substeps: s.substeps,
+            sweeps: s.sweeps,
+            relax_sweeps: s.relax_sweeps,
+            inner_sweeps: s.inner_sweeps,
+            contact_model: match s.contact_model {
+                ContactModel::Soft => CS_CONTACT_SOFT,
+                ContactModel::Rigid => CS_CONTACT_RIGID,
+            },
+            contact_frequency: s.contact_frequency,
+            contact_damping_ratio: s.contact_damping_ratio,
+            push_speed: s.push_speed,
+            restitution_threshold: s.restitution_threshold,
+            block_links: s.block_links,
+            sleep_time: s.sleep_time,
+            sleep_speed: s.sleep_speed,
+            continuous: u32::from(s.continuous),
+            events: s.events.0,
+            hit_speed: s.hit_speed,
+            moved_list: u32::from(s.moved_list),
+        }
+    }
+}
+
+impl CsSettings {
+    pub(crate) fn read(&self) -> Result<Settings, Failure> {
+        Ok(Settings {
+            dt: self.dt,
+            gravity: self.gravity.into(),
+            substeps: self.substeps,
+            sweeps: self.sweeps,
+            relax_sweeps: self.relax_sweeps,
+            inner_sweeps: self.inner_sweeps,
+            contact_model: match self.contact_model {
+                CS_CONTACT_SOFT => ContactModel::Soft,
+                CS_CONTACT_RIGID => ContactModel::Rigid,
+                _ => return Err(Failure::UnknownKind("contact_model")),
+            },
+            contact_frequency: self.contact_frequency,
+            contact_damping_ratio: self.contact_damping_ratio,
+            push_speed: self.push_speed,
+            restitution_threshold: self.restitution_threshold,
+            block_links: self.block_links,
+            sleep_time: self.sleep_time,
+            sleep_speed: self.sleep_speed,
+            continuous: self.continuous != 0,
+            events: EventKinds(self.events),
+            hit_speed: self.hit_speed,
+            moved_list: self.moved_list != 0,
+        })
+    }
+}
+
+/// What a step tells.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CsReport {
+    /// Steps taken so far.
+    pub step: u64,
+    /// Bodies in the world.
+    pub bodies: u32,
+    /// Bodies that were solved.
+    pub active: u32,
+    /// Bodies that sleep.
+    pub asleep: u32,
+    /// Pairs of shapes whose boxes overlap.
+    pub pairs: u32,
+    /// Contacts, each of 1 to 4 points.
+    pub contacts: u32,
+    /// Joints in the world.
+    pub joints: u32,
+    /// Pairs and contacts that found no room.
+    pub dropped: u32,
+    /// Bodies that were no longer finite and were stopped for good.
+    pub quarantined: u32,
+    /// Bodies whose speed or spin was capped.
+    pub capped: u32,
+    /// Fast bodies that were stopped on their way.
+    pub cut: u32,
+    /// Joints that broke.
+    pub broken: u32,
+    /// Events of this step.
+    pub events: u32,
+    /// Events that found no room.
+    pub dropped_events: u32,
+}
+
+impl From<StepReport> for CsReport {
+    fn from(r: StepReport) -> Self {
+        Self {
+            step: r.step,
+            bodies: r.bodies,
+            active: r.active,
+            asleep: r.asleep,
+            pairs: r.pairs,
+            contacts: r.contacts,
+            joints: r.joints,
+            dropped: r.dropped,
+            quarantined: r.quarantined,
+            capped: r.capped,
+            cut: r.cut,
+            broken: r.broken,
+            events: r.events,
+            dropped_events: r.dropped_events,
+        }
+    }
+}
