@@ -131,7 +131,7 @@ fn a_ring_of_snapshots_allocates_nothing() {
         for _ in 0..60 {
             ring.save(&world).expect("a world of its capacities");
             world.step(&mut Serial);
-            if world.steps() % 20 == 0 {
+            if world.steps().is_multiple_of(20) {
                 let back = world.steps() - 8;
                 ring.restore(&mut world, back).expect("it is kept");
                 while world.steps() < back + 8 {

@@ -1,12 +1,12 @@
 //! The ring of snapshots: what it keeps, what it forgets, and that going back changes no bit.
 
+use cellstep::Command;
 use cellstep::math::Vec3;
 use cellstep::scene::builtin::BUILTIN;
 use cellstep::{
     Capacities, Error, Memory, Pool, Position, QueryFilter, Ray, Serial, SnapshotError, SnapshotRing,
     new_ring,
 };
-use cellstep_tests::commands::Command;
 use cellstep_tests::executors::Random;
 use cellstep_tests::simulator::{self, CAPACITIES, EVENTFUL, Event, Simulator, snapshot};
 use cellstep_tests::worlds::{self, OwnedWorld};

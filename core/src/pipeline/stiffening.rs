@@ -73,8 +73,9 @@ fn is_loaded(state: &State<'_>, (body, first): (u32, u32), substep: f32) -> bool
     let Vec3 { x, y, z } = row.inertia;
     let (least, most) = (min(min(x, y), z), max(max(x, y), z));
     let sums = loads * (1.0 + sqrt(most / least));
-    // The margin is for rounding.
-    !(sums * (substep * substep) < 0.99 * least)
+    // The margin is for rounding. What is no number is looked at.
+    let is_light = sums * (substep * substep) < 0.99 * least;
+    !is_light
 }
 
 /// The angular velocity that a body's momentum means with its inertia in this step: what it gains of inertia it
