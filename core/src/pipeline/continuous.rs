@@ -469,13 +469,12 @@ impl Chase<'_> {
         let start = runner.course.start.position;
         let off = motion.center.minus_wide(runner.origin.center) - start;
         let square = way.dot(way);
-        let along = if square > 0.0 { off.dot(way) / square } else { 0.0 };
-        let share = if along < 0.0 {
-            0.0
-        } else if along > 1.0 {
-            1.0
-        } else {
-            along
+        // The nearest point of the way.
+        let along = off.dot(way);
+        let share = match along {
+            _ if along <= 0.0 => 0.0,
+            _ if along >= square => 1.0,
+            _ => along / square,
         };
         let rest = off - way * share;
         rest.dot(rest) <= reach * reach
