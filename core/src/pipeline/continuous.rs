@@ -191,7 +191,7 @@ pub(crate) fn run<E: Executor>(
     }
 }
 
-/// Lists the shapes of fast bodies that have left their fat boxes, if some of the bodies is a bullet; says how many.
+/// Lists the shapes of fast bodies that have left their fat boxes, if one of the bodies is a bullet; says how many.
 fn list_strays(
     state: &State<'_>,
     (assets, origins): (&AssetTables<'_>, &[Motion]),
