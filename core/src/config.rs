@@ -108,9 +108,10 @@ pub enum ContactModel {
     /// No softness: a share [`RIGID_PUSH`] of the overlap per substep.
     Rigid,
     /// Loads are carried rigidly, so that nothing sinks under them: overlap beyond [`SPLIT_SLOP`] is taken back by
-    /// motion that is no velocity, a share [`SPLIT_PUSH`] of it per substep. Only how the points of one contact share
-    /// its load gives, like a soft contact. Ten times and more as exact as `Soft` at the same number of substeps, but
-    /// it needs about a substep for every five bodies of the tallest stack: with fewer such a stack starts to rock.
+    /// motion that is no velocity, a share [`SPLIT_PUSH`] of it per substep. Only how the points of one contact
+    /// share its load gives, like a soft contact. Ten times and more as exact as `Soft` at the same number of
+    /// substeps, but it needs about a substep for every five bodies of the tallest stack: with fewer such a stack
+    /// starts to rock.
     Split,
 }
 
