@@ -48,6 +48,9 @@
 // Contacts have no softness.
 #define CS_CONTACT_RIGID 1
 
+// Contacts that carry rigidly, and whose overlap is moved away.
+#define CS_CONTACT_SPLIT 2
+
 // `size` x: radius.
 #define CS_SPHERE 0
 
@@ -311,7 +314,7 @@ typedef struct {
   uint32_t relax_sweeps;
   // Visits of each block in a sweep, 1..=64.
   uint32_t inner_sweeps;
-  // `CS_CONTACT_SOFT` or `CS_CONTACT_RIGID`.
+  // `CS_CONTACT_SOFT`, `CS_CONTACT_RIGID` or `CS_CONTACT_SPLIT`.
   uint32_t contact_model;
   // Hz; 0 follows the substep rate.
   float contact_frequency;

@@ -208,6 +208,8 @@ pub extern "C" fn cs_capacities(bodies: u32) -> CsCapacities {
 pub const CS_CONTACT_SOFT: u32 = 0;
 /// Contacts have no softness.
 pub const CS_CONTACT_RIGID: u32 = 1;
+/// Contacts that carry rigidly, and whose overlap is moved away.
+pub const CS_CONTACT_SPLIT: u32 = 2;
 
 /// Everything that a step needs beside bodies and shapes.
 #[repr(C)]
@@ -225,7 +227,7 @@ pub struct CsSettings {
     pub relax_sweeps: u32,
     /// Visits of each block in a sweep, 1..=64.
     pub inner_sweeps: u32,
-    /// `CS_CONTACT_SOFT` or `CS_CONTACT_RIGID`.
+    /// `CS_CONTACT_SOFT`, `CS_CONTACT_RIGID` or `CS_CONTACT_SPLIT`.
     pub contact_model: u32,
     /// Hz; 0 follows the substep rate.
     pub contact_frequency: f32,
@@ -263,6 +265,7 @@ impl From<Settings> for CsSettings {
             contact_model: match s.contact_model {
                 ContactModel::Soft => CS_CONTACT_SOFT,
                 ContactModel::Rigid => CS_CONTACT_RIGID,
+                ContactModel::Split => CS_CONTACT_SPLIT,
             },
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
@@ -291,6 +294,7 @@ impl CsSettings {
             contact_model: match self.contact_model {
                 CS_CONTACT_SOFT => ContactModel::Soft,
                 CS_CONTACT_RIGID => ContactModel::Rigid,
+                CS_CONTACT_SPLIT => ContactModel::Split,
                 _ => return Err(Failure::UnknownKind("contact_model")),
             },
             contact_frequency: self.contact_frequency,

@@ -37,6 +37,10 @@ pub const PUSH_SPEED: f32 = 3.0;
 pub const RESTITUTION_THRESHOLD: f32 = 0.5;
 /// Share of the overlap that a rigid contact (no softness) removes per substep.
 pub const RIGID_PUSH: f32 = 0.2;
+/// Share of the overlap that a split contact takes back per substep.
+pub const SPLIT_PUSH: f32 = 0.2;
+/// Overlap that a split contact leaves, metres: without it contacts would end and begin again by jitter.
+pub const SPLIT_SLOP: f32 = 2.0e-4;
 /// Fastest linear motion, metres per second: capped and reported.
 pub const LINEAR_SPEED_MAX: f32 = 1.0e6;
 /// Largest rotation of a body in one substep, radians: 256 splits of 0.3; faster spin is capped and reported.
@@ -66,7 +70,7 @@ pub struct Settings {
     /// How often a sweep visits each block before the barrier, `1..=64`: convergence within blocks without more
     /// barriers. The last sweep of a substep visits once, since the seams between blocks come last.
     pub inner_sweeps: u32,
-    /// Soft contacts, or rigid ones (plain projected Gauss-Seidel).
+    /// Soft contacts, rigid ones (plain projected Gauss-Seidel), or split ones.
     pub contact_model: ContactModel,
     /// Contact frequency, Hz, in `0..=1e5`; 0 follows the substep rate as [`CONTACT_COUPLING`] per substep.
     pub contact_frequency: f32,
@@ -103,6 +107,12 @@ pub enum ContactModel {
     Soft,
     /// No softness: a share [`RIGID_PUSH`] of the overlap per substep.
     Rigid,
+    /// Loads are carried rigidly, so that nothing sinks under them: overlap beyond [`SPLIT_SLOP`] is taken back by
+    /// motion that is no velocity, a share [`SPLIT_PUSH`] of it per substep. Only how the points of one contact
+    /// share its load gives, like a soft contact. Ten times and more as exact as `Soft` at the same number of
+    /// substeps, but it needs about a substep for every five bodies of the tallest stack: with fewer such a stack
+    /// starts to rock.
+    Split,
 }
 
 impl Default for Settings {
@@ -256,6 +266,7 @@ impl SettingsRow {
         let contact_model = match self.modes & !NOT_CONTINUOUS {
             0 => ContactModel::Soft,
             1 => ContactModel::Rigid,
+            2 => ContactModel::Split,
             _ => return None,
         };
         if self.moved_list > 1 {

@@ -546,7 +546,9 @@ region! {
         origins: Motion = c.bodies as usize,
         /// Slots of the fast bodies, ascending.
         fast: u32 = c.bodies as usize,
-        /// Where each of them is stopped.
+        /// Shapes of theirs that have left their fat boxes, if there are bullets.
+        strays: u32 = c.shapes as usize,
+        /// Where each of the fast bodies is stopped.
         stops: Stop = c.bodies as usize,
         /// Eight seats of phase 0 each.
         movers: MoverRow = mover_rows_max(c),

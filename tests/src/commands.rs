@@ -1,13 +1,15 @@
 //! Random commands of every kind, sense or nonsense: for what must hold of any of them.
 
+pub use cellstep::Command;
+
 use crate::executors::Random;
 use cellstep::joint::AxisMotion;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    Axis, AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Command, CompoundHandle, ContactModel,
-    Coupling, Drive, EventKinds, Filter, Geometry, HeightFieldHandle, HullHandle, JointDef, JointHandle,
-    MassProperties, MaterialTraits, MeshHandle, Mix, PairMaterial, Position, Settings, ShapeDef, ShapeEvents,
-    ShapeHandle, Spring,
+    Axis, AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, CompoundHandle, ContactModel, Coupling, Drive,
+    EventKinds, Filter, Geometry, HeightFieldHandle, HullHandle, JointDef, JointHandle, MassProperties,
+    MaterialTraits, MeshHandle, Mix, PairMaterial, Position, Settings, ShapeDef, ShapeEvents, ShapeHandle,
+    Spring,
 };
 
 /// How many kinds of commands [`any`] makes: all of them.
@@ -263,7 +265,8 @@ impl Any<'_> {
     }
 
     fn settings(&mut self) -> Settings {
-        let model = if self.flag() { ContactModel::Soft } else { ContactModel::Rigid };
+        let models = [ContactModel::Soft, ContactModel::Rigid, ContactModel::Split];
+        let model = models[self.0.below(3) as usize];
         Settings {
             dt: self.0.between(0.0, 0.02),
             gravity: self.vector(),

@@ -394,7 +394,11 @@ impl Simulator {
             sweeps: 1 + self.random.below(2) as u32,
             relax_sweeps: self.random.below(3) as u32,
             inner_sweeps: 1 + self.random.below(2) as u32,
-            contact_model: if self.random.below(4) == 0 { ContactModel::Rigid } else { ContactModel::Soft },
+            contact_model: match self.random.below(8) {
+                0 | 1 => ContactModel::Rigid,
+                2 | 3 => ContactModel::Split,
+                _ => ContactModel::Soft,
+            },
             ..Settings::default()
         }
     }

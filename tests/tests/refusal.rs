@@ -536,7 +536,10 @@ fn every_public_method_is_listed() {
     let mut listed = BTreeSet::new();
     for file in files {
         let text = std::fs::read_to_string(&file).expect("source can be read");
-        for signature in text.split("    pub fn ").skip(1) {
+        // Of the world alone: other types have methods of the same names.
+        let blocks = text.split("\nimpl").filter(|block| block.contains("> World<M> {\n"));
+        let blocks = blocks.map(|block| &block[..block.find("\n}\n").unwrap_or(block.len())]);
+        for signature in blocks.flat_map(|block| block.split("    pub fn ").skip(1)) {
             let head = signature.split('{').next().expect("a signature");
             let name = head.split(['(', '<']).next().expect("a name");
             if !head.contains("&mut self") {

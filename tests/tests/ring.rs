@@ -88,7 +88,7 @@ fn ten_thousand_sequences_go_the_same_way_after_going_back() {
     assert!(sum(|counts| counts.taken_again) > 50_000);
 }
 
-/// In the built-in scenes too, whose caches are larger and mostly hold: what a restore keeps of them changes no bit.
+/// In the built-in scenes too, whose caches are larger and mostly hold: what a restore keeps changes no bit.
 #[test]
 fn built_in_scenes_go_the_same_way_after_going_back() {
     let mut pool = Pool::new(2).expect("threads can be started");

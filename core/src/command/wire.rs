@@ -324,7 +324,7 @@ fields!(Settings {
 });
 
 variants!(u8; BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
-variants!(u8; ContactModel { 0 => Soft {}, 1 => Rigid {} });
+variants!(u8; ContactModel { 0 => Soft {}, 1 => Rigid {}, 2 => Split {} });
 variants!(u8; Mix {
     0 => Unset {},
     1 => GeometricMean {},

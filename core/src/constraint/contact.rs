@@ -10,6 +10,7 @@
 mod bounce;
 mod resist;
 mod shift;
+mod split;
 
 use super::row::{Bias, LinkRow, PointRow, ResistRow, SUMS, TURNS};
 use super::velocities::{Velocities, motions};
@@ -46,6 +47,8 @@ pub(crate) struct Sweep {
     pub bias: Bias,
     /// True when some rows move bodies by nudges; see `velocities.rs`.
     pub nudges: bool,
+    /// True when contacts do, instead of pushing by velocity.
+    pub splits: bool,
     /// True when the substep has more than one relax sweep of a row.
     pub relaxes_again: bool,
     /// Approach below which nothing bounces, m/s.
@@ -151,6 +154,9 @@ fn visit_points<const N: usize>(
         }
     }
     u.scatter((&row.seats_a, &row.seats_b), seats);
+    if sweep.splits && sweep.pass == Pass::Biased {
+        split::nudge(&u, row, points, (sweep, &shift), seats);
+    }
 }
 
 /// Sum of the points' impulses.
@@ -351,32 +357,33 @@ impl<'a> Line<'a> {
 }
 
 /// What a sweep wants of a point that presses: `rate + bias + soft . impulse = 0`, reached at one point by the
-/// impulse `mass . (rate + bias + soft . impulse)` less.
+/// impulse `mass . (rate + bias + soft . impulse)` less. What gives is the impulse beyond `load`.
 struct Demand {
     bias: Lane,
     soft: Lane,
     mass: Lane,
+    load: Lane,
 }
 
 impl Demand {
     /// With a spring for overlaps.
     #[inline(always)]
     fn biased(point: &PointRow) -> Self {
-        Self { bias: point.bias, soft: point.soft, mass: point.soft_mass }
+        Self { bias: point.bias, soft: point.soft, mass: point.soft_mass, load: Lane::ZERO }
     }
 
     /// Without: an overlap may stay.
     #[inline(always)]
     fn relaxed(point: &PointRow) -> Self {
         let bias = point.bias.greater(Lane::ZERO).keep(point.bias);
-        Self { bias, soft: Lane::ZERO, mass: point.mass }
+        Self { bias, soft: Lane::ZERO, mass: point.mass, load: Lane::ZERO }
     }
 
     /// The speed of departure; a point that does not bounce may go on as it does.
     #[inline(always)]
     fn bouncing(point: &PointRow) -> Self {
         let mass = point.bounce.greater(Lane::ZERO).keep(point.mass);
-        Self { bias: -point.bounce, soft: Lane::ZERO, mass }
+        Self { bias: -point.bounce, soft: Lane::ZERO, mass, load: Lane::ZERO }
     }
 }
 
@@ -432,19 +439,15 @@ fn press_together<const N: usize>(
     x
 }
 
-/// All points together, then one after the other.
+/// One point after the other. Each has yet to take `together`, which is pressed already.
 #[inline(always)]
 fn solve_points<const N: usize>(
     mut line: Line<'_>,
     row: &LinkRow,
     ((points, traits), shift): ((&mut [PointRow; N], Traits), &Shift),
-    (press_mass, demand): (Lane, impl Fn(&PointRow) -> Demand),
+    (together, demand): (Lane, impl Fn(&PointRow) -> Demand),
 ) {
     let one = Lane::splat(1.0);
-    let mut together = Lane::ZERO;
-    if N > 1 {
-        together = press_together(&mut line, row, ((points, traits), shift), (press_mass, &demand));
-    }
     for point in points.iter_mut() {
         let jb = shift.apply(point.normal_b, shift.normal);
         let mut rate = line.rate(point.normal_a, jb);
@@ -455,7 +458,8 @@ fn solve_points<const N: usize>(
         let before = point.impulse + own;
         let demand = demand(point);
         let mass = shift.mass((point, demand.mass), jb);
-        let after = (before - mass * (rate + demand.bias + demand.soft * before)).pushing();
+        let give = demand.soft * (before - demand.load);
+        let after = (before - mass * (rate + demand.bias + give)).pushing();
         point.impulse = after;
         line.press((point.normal_a, jb), (one, after - before));
     }
@@ -473,9 +477,26 @@ fn solve_normals<const N: usize>(
     if traits.bounces {
         record_bounces(&line, row, points, (sweep, shift));
     }
-    if sweep.pass == Pass::Biased {
-        solve_points(line, row, ((points, traits), shift), (row.soft_press_mass, Demand::biased));
-    } else {
-        solve_points(line, row, ((points, traits), shift), (row.press_mass, Demand::relaxed));
+    match (sweep.pass, sweep.splits) {
+        (Pass::Biased, false) => {
+            solve_all(line, row, ((points, traits), shift), (row.soft_press_mass, Demand::biased));
+        }
+        (Pass::Biased, true) if N > 1 => split::solve(line, row, ((points, traits), shift)),
+        _ => solve_all(line, row, ((points, traits), shift), (row.press_mass, Demand::relaxed)),
     }
+}
+
+/// All points together, then one after the other.
+#[inline(always)]
+fn solve_all<const N: usize>(
+    mut line: Line<'_>,
+    row: &LinkRow,
+    ((points, traits), shift): ((&mut [PointRow; N], Traits), &Shift),
+    (press_mass, demand): (Lane, impl Fn(&PointRow) -> Demand),
+) {
+    let mut together = Lane::ZERO;
+    if N > 1 {
+        together = press_together(&mut line, row, ((points, traits), shift), (press_mass, &demand));
+    }
+    solve_points(line, row, ((points, traits), shift), (together, demand));
 }

@@ -126,7 +126,9 @@ fn pick(seats: &[Seat], at: &[u32; LANES], of: impl Fn(&Seat) -> Words) -> [Word
 /// The motions of the bodies of a row: three numbers of the shift, 0, three of the whitened turn, 0.
 #[inline(always)]
 pub(crate) fn motions((seats_a, seats_b): Ends<'_>, seats: &[Seat]) -> [[Lane; 8]; 2] {
-    [seats_a, seats_b].map(|at| transpose(pick(seats, at, |seat| seat.moved)))
+    // No `map`: see `each_lane`.
+    let of = |at| transpose(pick(seats, at, |seat| seat.moved));
+    [of(seats_a), of(seats_b)]
 }
 
 /// A symmetric matrix (diagonal, then xy, xz, yz) times a vector.

@@ -163,11 +163,9 @@ pub(crate) fn fill<E: Executor>(
         hits: events::measures_hits(state),
     };
     let groups = &mut cache.groups[..plan.groups];
-    let share = chunk(groups.len(), 1);
-    let mut links = &mut scratch.link_rows[..plan.rows];
-    let mut points = &mut scratch.point_rows[..plan.points];
-    let mut first_points = &mut scratch.row_points[..plan.rows];
-    let mut resists = &mut *scratch.resist_rows;
+    let (mut links, mut points) =
+        (&mut scratch.link_rows[..plan.rows], &mut scratch.point_rows[..plan.points]);
+    let (mut first_points, mut resists) = (&mut scratch.row_points[..plan.rows], &mut *scratch.resist_rows);
     let mut seats = &mut scratch.seats[..plan.seats];
     let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize / LANES];
     let mut joints = JointRows {
@@ -187,16 +185,16 @@ pub(crate) fn fill<E: Executor>(
         patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
     };
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
-    for groups in groups.chunks_mut(share) {
+    for groups in groups.chunks_mut(chunk(plan.groups, 1)) {
         let sum = |count: fn(&Group) -> u32| groups.iter().map(count).sum::<u32>() as usize;
-        let movers_count = sum(|g| if g.phase == 0 { g.seats } else { 0 }) / LANES;
+        let (rows, moving) = (sum(|g| g.rows), sum(|g| if g.phase == 0 { g.seats } else { 0 }));
         let task = Task {
-            links: take(&mut links, sum(|g| g.rows)),
+            links: take(&mut links, rows),
             points: take(&mut points, sum(|g| g.points)),
-            first_points: take(&mut first_points, sum(|g| g.rows)),
-            resists: take_resists(&mut resists, sum(|g| g.rows) as u32),
+            first_points: take(&mut first_points, rows),
+            resists: take_resists(&mut resists, rows as u32),
             seats: take(&mut seats, sum(|g| g.seats)),
-            movers: take(&mut movers, movers_count),
+            movers: take(&mut movers, moving / LANES),
             joints: joints.take_all(groups),
             groups,
         };

@@ -17,8 +17,8 @@
 //! is changed by it.
 //!
 //! - Against static and kinematic bodies always, the latter on their own way; against dynamic ones for bodies with
-//!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Of those
-//!   only bodies that are still in their fat boxes are found.
+//!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Trees find
+//!   what is in its fat box; what was thrown out of it in this step is listed for bullets.
 //! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body.
 //! - A body that is stopped is torn off its joints for that step, and they pull it back in the next. So a body with
 //!   joints is stopped only where the middle of a shape would pass, and contacts are left the rest.
@@ -38,7 +38,7 @@ use crate::collide::tree::Tree;
 use crate::collide::tree::search::Way;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
-use crate::math::{Pose, Rotation, Vec3, max_each, min, sqrt};
+use crate::math::{Aabb, Pose, Rotation, Vec3, max_each, min, sqrt};
 use crate::pipeline::broadphase::{may_meet, refresh_trees, tree_of};
 use crate::pipeline::finish::follow_stance;
 use crate::pipeline::rules::stand_in_the_way;
@@ -157,6 +157,7 @@ pub(crate) fn run<E: Executor>(
         motions[body as usize].center.sector
     };
     refresh_trees((state, sector_of), cache, (scratch.tree_boxes, scratch.tree_keys));
+    let strays = list_strays(state, (assets, origins), (&scratch.fast[..count], scratch.strays));
     let header = &cache.header[0];
     let chase = Chase {
         state,
@@ -166,6 +167,7 @@ pub(crate) fn run<E: Executor>(
             tree_of(cache.static_nodes, cache.static_order, header.static_leaves),
             tree_of(cache.moving_nodes, cache.moving_order, header.moving_leaves),
         ],
+        strays: &scratch.strays[..strays],
         sector: header.sector,
         dt,
     };
@@ -187,6 +189,35 @@ pub(crate) fn run<E: Executor>(
             counts.cut += 1;
         }
     }
+}
+
+/// Lists the shapes of fast bodies that have left their fat boxes, if one of the bodies is a bullet; says how many.
+fn list_strays(
+    state: &State<'_>,
+    (assets, origins): (&AssetTables<'_>, &[Motion]),
+    (fast, strays): (&[u32], &mut [u32]),
+) -> usize {
+    if !fast.iter().any(|&body| state.bodies[body as usize].has(BULLET)) {
+        return 0;
+    }
+    let mut count = 0;
+    for &body in fast {
+        let (row, motion) = (&state.bodies[body as usize], &state.motions[body as usize]);
+        let sector = origins[body as usize].center.sector;
+        let from_box = motion.center.minus(Position { sector, offset: Vec3::ZERO });
+        let mut next = row.first_shape;
+        while let Some(shape) = state.shapes.get(next as usize) {
+            let pose = motion.local_to_center(row, &shape.pose);
+            let bounds = crate::collide::bounds::aabb(&solid(shape, assets), &pose);
+            let now = Aabb { min: bounds.min + from_box, max: bounds.max + from_box };
+            if !shape.fat_box.contains(&now) {
+                strays[count] = next;
+                count += 1;
+            }
+            next = shape.next;
+        }
+    }
+    count
 }
 
 /// Where a fast body ends its step, if not where the solve left it.
@@ -231,6 +262,8 @@ struct Chase<'a> {
     origins: &'a [Motion],
     /// Of what rests, and of the rest.
     trees: [Tree<'a>; 2],
+    /// Shapes that bullets may meet where the trees do not have them.
+    strays: &'a [u32],
     /// The trees' sector.
     sector: [i32; 3],
     dt: f32,
@@ -418,6 +451,33 @@ impl Chase<'_> {
                 },
             );
         }
+        for &other in if row.has(BULLET) { self.strays } else { &[] } {
+            if other != slot && self.comes_near(runner, (other, way, reach.x)) && self.stops(row, slot, other)
+            {
+                self.meet((&parts, &local), runner, ([slot, other], best));
+            }
+        }
+    }
+
+    /// True when a ball of a radius about the body's center comes near a shape on its way.
+    fn comes_near(&self, runner: &Runner<'_>, (other, way, radius): (u32, DVec3, f64)) -> bool {
+        let shape = &self.state.shapes[other as usize];
+        let (row, motion) =
+            (&self.state.bodies[shape.body as usize], &self.state.motions[shape.body as usize]);
+        let arm = crate::math::length(shape.pose.position - row.local_center);
+        let reach = radius + f64::from(arm + outer_radius(shape, self.assets)) * (1.0 + 1.0e-5);
+        let start = runner.course.start.position;
+        let off = motion.center.minus_wide(runner.origin.center) - start;
+        let square = way.dot(way);
+        // The nearest point of the way.
+        let along = off.dot(way);
+        let share = match along {
+            _ if along <= 0.0 => 0.0,
+            _ if along >= square => 1.0,
+            _ => along / square,
+        };
+        let rest = off - way * share;
+        rest.dot(rest) <= reach * reach
     }
 
     /// True when a body is stopped at a shape.

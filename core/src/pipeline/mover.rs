@@ -7,7 +7,7 @@ use crate::body::{BodyRow, Motion};
 use crate::collide::vector64::{Vector, dot, to_f64, to_vec3};
 use crate::config::{LINEAR_SPEED_MAX, TURN_MAX};
 use crate::constraint::velocities::root_times;
-use crate::lanes::{LANES, Lane, LaneVec, Words, each_lane, transpose, transpose_back};
+use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, each_lane, transpose, transpose_back};
 use crate::math::{Rotation, Vec3, length, min};
 use crate::pipeline::integration::{self, LaneRotation, SPLITS_MAX, TURN_STEP};
 use crate::pipeline::seat::Seat;
@@ -186,10 +186,11 @@ impl MoverRow {
     /// all.
     #[inline(always)]
     fn turn_by(&mut self, turn: LaneVec, whitened: LaneVec, nudge: &Nudge) -> LaneVec {
-        let turn = if nudge.any { turn + nudge.momentum } else { turn };
+        let turn = if nudge.any { nudge.nudged.select_vec(turn + nudge.momentum, turn) } else { turn };
         let mut rotation = LaneRotation::by(turn);
         if nudge.any {
-            rotation = LaneRotation::by(nudge.turn).after(rotation);
+            let more = LaneRotation::by(nudge.turn).after(rotation);
+            rotation = LaneRotation::select(nudge.nudged, more, rotation);
         }
         let mut turned = whitened + nudge.whitened;
         if self.tops != 0 {
@@ -204,16 +205,20 @@ impl MoverRow {
         turned
     }
 
-    /// The nudges that joints have left in the seats, as motion of a substep. A top is moved by the momentum that
+    /// The nudges that rows have left in the seats, as motion of a substep. A top is moved by the momentum that
     /// it would have with them.
-    #[cold]
+    #[inline(never)]
     fn take_nudges(&self, seats: &[Seat; LANES], substep: f32) -> Nudge {
         let n = transpose(each_lane(|lane| seats[lane].moved));
         let (linear, whitened) = (LaneVec::new(n[0], n[1], n[2]), LaneVec::new(n[4], n[5], n[6]));
+        let nudged = (linear.dot(linear) + whitened.dot(whitened)).greater(Lane::ZERO);
+        if !nudged.any() {
+            return Nudge::NONE;
+        }
         let turn = root_times(&self.turn, whitened);
         let tops = self.top.greater(Lane::ZERO);
         let (momentum, turn) = (tops.keep_vec(turn), tops.select_vec(LaneVec::ZERO, turn));
-        Nudge { linear, momentum, turn, whitened: whitened.times(Lane::splat(substep)), any: true }
+        Nudge { linear, momentum, turn, whitened: whitened.times(Lane::splat(substep)), nudged, any: true }
     }
 
     /// Takes back from tops what a nudge gave: as it stands to the body now that this has turned. What was given
@@ -348,6 +353,8 @@ struct Nudge {
     turn: LaneVec,
     /// The same whitened, of bodies that are no tops.
     whitened: LaneVec,
+    /// Lanes that have one; the others are as if there was none anywhere.
+    nudged: Mask,
     any: bool,
 }
 
@@ -357,6 +364,7 @@ impl Nudge {
         momentum: LaneVec::ZERO,
         turn: LaneVec::ZERO,
         whitened: LaneVec::ZERO,
+        nudged: Mask::NONE,
         any: false,
     };
 }

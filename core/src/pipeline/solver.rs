@@ -6,7 +6,7 @@
 //! ```
 //! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind.
 
-use crate::config::Settings;
+use crate::config::{ContactModel, Settings};
 use crate::constraint::contact::{self, Pass, Sweep};
 use crate::constraint::joint::{self, BallRow, BlockRow, BoundRow, JointLink, LockRow, NodeRow};
 use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
@@ -69,7 +69,8 @@ impl<'a> JointRows<'a> {
 
     /// Cuts the rows of groups in a row off.
     pub fn take_all(&mut self, groups: &[Group]) -> JointRows<'a> {
-        let sum = |count: fn(&Group) -> u32| groups.iter().map(count).sum::<u32>() as usize;
+        let joints = if self.links.is_empty() { &[] } else { groups };
+        let sum = |count: fn(&Group) -> u32| joints.iter().map(count).sum::<u32>() as usize;
         JointRows {
             balls: take(&mut self.balls, sum(|group| group.balls)),
             links: take(&mut self.links, sum(|group| group.joints - group.balls)),
@@ -120,13 +121,15 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
 /// Solves and integrates the step.
 pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
     let substep = settings.substep();
-    let nudges = rows.plan.joints > 0;
+    let splits = settings.contact_model == ContactModel::Split;
+    let nudges = rows.plan.joints > 0 || splits;
     let sweep = |pass, visits| Sweep {
         pass,
         visits,
         substep,
         bias: bias(settings),
         nudges,
+        splits,
         relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
         restitution_threshold: settings.restitution_threshold,
     };

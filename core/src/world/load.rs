@@ -6,7 +6,7 @@ mod materials;
 mod sleep;
 
 use super::World;
-use super::snapshot::{Section, check_content, parts};
+use super::snapshot::{Done, Section, check_content, parts};
 use crate::arena::Line;
 use crate::body::{self, BodyKind, BodyRow, Motion};
 use crate::cells::CELLULAR_PHASES_MAX;
@@ -35,6 +35,14 @@ pub(super) struct Rows<'a, T> {
 impl<'a, T: AnyBitPattern> Rows<'a, T> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, kind: core::marker::PhantomData }
+    }
+
+    /// True when these are the rows, bit by bit.
+    pub(super) fn are(&self, rows: &[T]) -> bool
+    where
+        T: bytemuck::NoUninit,
+    {
+        self.bytes == bytemuck::cast_slice::<T, u8>(rows)
     }
 
     pub(super) fn len(&self) -> u32 {
@@ -174,7 +182,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             tables: self.asset_tables(),
         };
         parts.check(&limits)?;
-        self.copy_in(snapshot, &header, 0);
+        self.copy_in(snapshot, &header, &Done::NONE);
         self.drop_caches();
         Ok(())
     }

@@ -12,6 +12,7 @@ use crate::state::{Header, StateLayout};
 use core::mem::size_of;
 use core::ops::Range;
 
+pub(super) use caches::Done;
 pub use header::SnapshotHeader;
 
 /// A section of a snapshot, as [`World::snapshot_sections`] tells.
@@ -160,8 +161,8 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// A [`SnapshotError`]; the world is unchanged.
     pub fn restore(&mut self, snapshot: &[u8]) -> Result<(), Error> {
         let header = self.check_header(snapshot)?;
-        let copied = self.keep_caches(snapshot, &header);
-        self.copy_in(snapshot, &header, copied);
+        let done = self.keep_caches(snapshot, &header);
+        self.copy_in(snapshot, &header, &done);
         Ok(())
     }
 
@@ -198,9 +199,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         Ok(state)
     }
 
-    /// Copies the sections of a checked snapshot into the state, but for the first `copied` contacts, which are
-    /// there; rows above the new marks become zero.
-    pub(super) fn copy_in(&mut self, snapshot: &[u8], header: &Header, copied: usize) {
+    /// Copies the sections of a checked snapshot into the state, but for what is done; rows above the new marks
+    /// become zero.
+    pub(super) fn copy_in(&mut self, snapshot: &[u8], header: &Header, done: &Done) {
         let before = self.sections();
         let after = self.sections_for(header);
         let mut rest = &snapshot[SnapshotHeader::BYTES..];
@@ -209,7 +210,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             let (own, next) = rest.split_at(new.rows * new.size);
             rest = next;
             let section = &mut state[new.offset..];
-            let done = if new.name == "contacts" { copied * new.size } else { 0 };
+            let done = done.of(new);
             section[done..own.len()].copy_from_slice(&own[done..]);
             if old.rows > new.rows {
                 section[own.len()..old.rows * old.size].fill(0);

@@ -133,6 +133,39 @@ fn a_bullet_does_not_pass_a_dynamic_panel() {
 }
 
 #[test]
+fn a_bullet_does_not_pass_what_is_thrown_into_its_way() {
+    // A panel that rests is struck, and comes to stand metres off in the same step. The bullet would not have come
+    // to where it was.
+    let (mut random, mut passed, mut thrown) = (Random::new(21), [0; 2], 0);
+    for shot in 0..200 {
+        let bullet = shot % 2 == 0;
+        let mut world = weightless(4);
+        let (wall, _) = add(&mut world, &BodyDef::default(), &ShapeDef::new(panel()));
+        let hammer = ShapeDef { density: 1.0e5, ..ShapeDef::new(Geometry::Box { half_extents: Vec3::ONE }) };
+        let blow = random.between(150.0, 250.0);
+        let def = BodyDef {
+            linear_velocity: Vec3::new(blow, 0.0, 0.0),
+            ..BodyDef::new(BodyKind::Dynamic, Vec3::new(-1.0 - random.between(0.02, 0.3), 0.0, 0.0))
+        };
+        add(&mut world, &def, &hammer);
+        let start = Vec3::new(random.between(4.0, 8.0), random.between(1.2, 1.8), 0.0);
+        let speed = (start.x - random.between(0.3, 1.5)) * 60.0;
+        let def = BodyDef {
+            linear_velocity: Vec3::new(-speed, 0.0, 0.0),
+            bullet,
+            ..BodyDef::new(BodyKind::Dynamic, start)
+        };
+        let (body, _) = add(&mut world, &def, &ShapeDef::new(BALL));
+        world.step(&mut Serial);
+        thrown += usize::from(center(&world, wall)[0] > 1.6);
+        passed[usize::from(bullet)] += usize::from(center(&world, body)[0] < center(&world, wall)[0]);
+    }
+    println!("passed a panel that was thrown: {} without the flag, {} with it", passed[0], passed[1]);
+    assert_eq!(passed[1], 0, "bullets passed");
+    assert!(passed[0] > 50 && thrown > 150, "the test attacks: {} passed, {thrown} were thrown", passed[0]);
+}
+
+#[test]
 fn the_flag_can_be_set() {
     let mut world = weightless(2);
     let body = world.create_body(&BodyDef { bullet: true, ..BodyDef::default() }).expect("room");

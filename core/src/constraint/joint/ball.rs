@@ -15,8 +15,8 @@ use crate::lanes::{LANES, Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bytemuck::{Pod, Zeroable};
 
-/// Share of a gap that a substep closes. More than other locks take back: in a net each joint's nudges open the gaps
-/// of its neighbours again, and all that is left to fear, an overshoot, begins at 2.
+/// Share of a gap that a substep closes. More than other locks take back: in a net each joint's nudges open the
+/// gaps of its neighbours again, and all that is left to fear, an overshoot, begins at 2.
 const PUSH: f32 = 0.7;
 
 /// Eight joints. All 0 in an empty lane.

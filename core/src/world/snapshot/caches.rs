@@ -14,12 +14,37 @@ use super::super::World;
 use super::super::load::Rows;
 use super::Section;
 use crate::arena::Line;
-use crate::body::{BodyRow, KIND_MASK, Motion};
+use crate::body::{BodyKind, BodyRow, KIND_MASK, Motion};
 use crate::pipeline::Regions;
-use crate::pool::is_used;
+use crate::pool::{is_used, words};
 use crate::shape::{BOX_STALE, FRESH, ShapeRow};
 use crate::state::{ContactRow, Header, MEMOS_FIT, MEMOS_LISTED, NO_MEMO, ORDERING_UNCHECKED};
 use bytemuck::Zeroable;
+
+/// What of a restore is done before the copy.
+pub(in super::super) struct Done {
+    /// Contacts that are copied, from the first on.
+    contacts: usize,
+    /// The rows of the shapes are the same.
+    shapes: bool,
+    /// The rows of the bodies are the same.
+    bodies: bool,
+}
+
+impl Done {
+    /// Nothing.
+    pub const NONE: Self = Self { contacts: 0, shapes: false, bodies: false };
+
+    /// Bytes of a section, from the first on, that need no copy.
+    pub fn of(&self, section: &Section) -> usize {
+        match section.name {
+            "contacts" => self.contacts * section.size,
+            "shapes" if self.shapes => section.rows * section.size,
+            "bodies" if self.bodies => section.rows * section.size,
+            _ => 0,
+        }
+    }
+}
 
 /// The sections of the state that comes, in bytes of any alignment.
 struct Coming<'a> {
@@ -45,8 +70,13 @@ impl<'a> Coming<'a> {
         }
     }
 
+    /// Flags of a body's row; those of a static body for a body that is not there, in bytes that no save wrote.
     fn body_flags(&self, body: u32) -> u32 {
-        self.bodies.get(body).flags
+        if body < self.bodies.len() { self.bodies.get(body).flags } else { BodyKind::Static as u32 }
+    }
+
+    fn sector(&self, body: u32) -> [i32; 3] {
+        if body < self.motions.len() { self.motions.get(body).center.sector } else { [i32::MAX; 3] }
     }
 
     fn is_used(&self, slot: u32) -> bool {
@@ -56,13 +86,18 @@ impl<'a> Coming<'a> {
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     /// Keeps the caches that will hold for a checked snapshot, and drops the others. Comes before the copy; says
-    /// how many contacts, from the first on, are copied already.
-    pub(super) fn keep_caches(&mut self, snapshot: &[u8], header: &Header) -> usize {
+    /// what of that is done.
+    pub(super) fn keep_caches(&mut self, snapshot: &[u8], header: &Header) -> Done {
         let sections = self.sections_for(header);
         let coming = Coming::new(&sections, &super::parts(snapshot, &sections));
         let mut regions = self.regions();
-        let rests_as_before = compare_shapes(&mut regions, &coming);
-        let copied = keep_memos(&mut regions, &coming);
+        let (shapes, bodies) = (are_same_shapes(&regions, &coming), are_same_bodies(&regions, &coming));
+        let rests_as_before = if shapes && bodies {
+            look_through(&mut regions, &coming)
+        } else {
+            compare_shapes(&mut regions, &coming)
+        };
+        let contacts = keep_memos(&mut regions, &coming);
         let cache = &mut regions.cache.header[0];
         let fits = cache.static_stamp == regions.state.header[0].static_version + 1;
         cache.static_stamp = if fits && rests_as_before { header.static_version + 1 } else { 0 };
@@ -70,8 +105,39 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         if cache.ordering_fits != 0 {
             cache.ordering_fits = ORDERING_UNCHECKED;
         }
-        copied
+        Done { contacts, shapes, bodies }
     }
+}
+
+/// True when the rows of the shapes are the same.
+fn are_same_shapes(regions: &Regions<'_>, coming: &Coming<'_>) -> bool {
+    let state = &regions.state;
+    let high = state.header[0].shapes.high as usize;
+    coming.shapes.are(&state.shapes[..high]) && coming.used.are(&state.shape_used[..words(high)])
+}
+
+/// True when the rows of the bodies are the same.
+fn are_same_bodies(regions: &Regions<'_>, coming: &Coming<'_>) -> bool {
+    let state = &regions.state;
+    coming.bodies.are(&state.bodies[..state.header[0].bodies.high as usize])
+}
+
+/// As [`compare_shapes`], where the rows of shapes and bodies are the same.
+fn look_through(regions: &mut Regions<'_>, coming: &Coming<'_>) -> bool {
+    let state = &regions.state;
+    let mut rests_as_before = true;
+    let shapes = state.shapes[..state.header[0].shapes.high as usize].iter();
+    for (slot, (row, same)) in (0..).zip(shapes.zip(&mut *regions.scratch.is_moved)) {
+        let used = is_used(state.shape_used, slot);
+        *same = u8::from(used & (row.flags & FRESH == 0));
+        // The row of a slot without shape is zero.
+        let body = row.body as usize;
+        if used & state.bodies[body].rests() {
+            rests_as_before &=
+                row.flags & BOX_STALE == 0 && state.motions[body].center.sector == coming.sector(row.body);
+        }
+    }
+    rests_as_before
 }
 
 /// Notes in the scratch which shapes are as memos know them. True when the same shapes rest in the same boxes.
@@ -101,7 +167,7 @@ fn compare_shapes(regions: &mut Regions<'_>, coming: &Coming<'_>) -> bool {
             rests_as_before &= body.rests() == new_body.rests()
                 && row.flags & BOX_STALE == 0
                 && bytemuck::bytes_of(&row.fat_box) == bytemuck::bytes_of(&new.fat_box)
-                && sector == coming.motions.get(new.body).center.sector;
+                && sector == coming.sector(new.body);
         }
     }
     rests_as_before
@@ -123,7 +189,8 @@ fn keep_memos(regions: &mut Regions<'_>, coming: &Coming<'_>) -> usize {
     }
     let same = &*scratch.is_moved;
     let source = |old: &ContactRow, new: &ContactRow, place: usize| {
-        let known = same[new.pair.a as usize] & same[new.pair.b as usize] != 0;
+        let is_same = |slot: u32| same.get(slot as usize).is_some_and(|&same| same != 0);
+        let known = is_same(new.pair.a) & is_same(new.pair.b);
         match known & has_same_base(old, new) {
             true if listed => scratch.contact_from[place],
             true => place as u32,

@@ -59,6 +59,8 @@ pub enum ContactModelDoc {
     Soft,
     /// A share of the overlap per substep.
     Rigid,
+    /// Rigid loads; overlap is moved away.
+    Split,
 }
 
 impl From<ContactModelDoc> for ContactModel {
@@ -66,6 +68,7 @@ impl From<ContactModelDoc> for ContactModel {
         match model {
             ContactModelDoc::Soft => ContactModel::Soft,
             ContactModelDoc::Rigid => ContactModel::Rigid,
+            ContactModelDoc::Split => ContactModel::Split,
         }
     }
 }
