@@ -2,9 +2,9 @@
 //!
 //! `.ci/cross` builds this for several architectures, runs it there, and compares every line that is printed
 //! with the one of this machine. There are four kinds of lines: the lane type operation by operation, the
-//! functions of `math.rs`, scenes that need the core alone, and the built-in scenes, whose documents need the standard
-//! library, after some steps. A lane or math line that differs names the cause; a scene of the core that differs is
-//! bisected by its `trace`.
+//! functions of `math.rs`, scenes that need the core alone, and the built-in scenes, whose documents need the
+//! standard library, after some steps. A lane or math line that differs names the cause; a scene of the core that
+//! differs is bisected by its `trace`.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -42,8 +42,8 @@ struct Probe {
     value: fn() -> u64,
 }
 
-/// The line that is compared: of the probe or, after the last probe, of the scene with this index, those of the core
-/// first; `None` after the last scene.
+/// The line that is compared: of the probe or, after the last probe, of the scene with this index, those of the
+/// core first; `None` after the last scene.
 pub fn line(index: usize, steps: u32) -> Option<String> {
     let mut probes = lane_probes::ALL.iter().chain(&math_probes::ALL);
     if let Some(probe) = probes.nth(index) {

@@ -1,8 +1,8 @@
 //! The same bits for any executor, any number of workers and any build: checksums of the built-in scenes.
 //!
 //! `checksums.txt` beside the built-in scenes holds the checksum of each in its golden size after 300 steps; it is
-//! part of the release (`cellstep doctor`). `UPDATE=1 cargo test --test invariance` writes it anew: a change of any of
-//! them is a change of behaviour, to be named in the commit.
+//! part of the release (`cellstep doctor`). `UPDATE=1 cargo test --test invariance` writes it anew: a change of any
+//! of them is a change of behaviour, to be named in the commit.
 
 use cellstep::scene::builtin::{BUILTIN, Builtin, GOLDEN_STEPS};
 use cellstep::{Executor, Pool, Serial};

@@ -1,7 +1,7 @@
 //! Checksums that the built-in scenes have everywhere: on any machine, with any number of workers, in any build.
 //!
-//! The table is `checksums.txt`: name, golden size, checksum. The test `invariance` compares it with this machine and
-//! writes it anew when a change of behaviour is meant, so it cannot be another than that of the release.
+//! The table is `checksums.txt`: name, golden size, checksum. The test `invariance` compares it with this machine
+//! and writes it anew when a change of behaviour is meant, so it cannot be another than that of the release.
 
 use super::Builtin;
 
