@@ -232,7 +232,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "{\"settings\": {\"contact_model\": \"hard\"}}",
         "line 1, column 32",
         "settings.contact_model",
-        "`soft` or `rigid`",
+        "expected one of `soft`, `rigid`, `split`",
     ),
     ("{\"materials\": {\"a\": {}, \"a\": {}}}", "line 1, column 15", "materials", "used twice"),
     (
