@@ -92,7 +92,7 @@ int main(void) {
     EXPECT(cs_joint_create(world, &joint_def, &joint), UNKNOWN_KIND, "coupling");
 
     CsSettings settings = cs_settings_default();
-    settings.contact_model = 2;
+    settings.contact_model = 3;
     EXPECT(cs_world_set_settings(world, &settings), UNKNOWN_KIND, "contact_model");
     settings = cs_settings_default();
     settings.dt = 10;

@@ -69,7 +69,7 @@ impl<'a> JointRows<'a> {
 
     /// Cuts the rows of groups in a row off.
     pub fn take_all(&mut self, groups: &[Group]) -> JointRows<'a> {
-        let joints = if self.links.is_empty() { &[] } else { groups };
+        let joints = if self.balls.is_empty() && self.links.is_empty() { &[] } else { groups };
         let sum = |count: fn(&Group) -> u32| joints.iter().map(count).sum::<u32>() as usize;
         JointRows {
             balls: take(&mut self.balls, sum(|group| group.balls)),

@@ -1,6 +1,6 @@
 //! Restitution: the speed with which a point leaves.
 
-use super::{Demand, Line, Pass, Shift, Sweep, Traits, Velocities, solve_points};
+use super::{Demand, Line, Pass, Shift, Sweep, Traits, Velocities, solve_all};
 use crate::constraint::row::{LinkRow, PointRow};
 use crate::lanes::{Lane, LaneVec};
 
@@ -54,7 +54,7 @@ pub(super) fn bounce<const N: usize>(
         point.bounce = point.bounce.greater(zero).keep(speed.finite());
     }
     let line = Line::new(u, row, (LaneVec::ZERO, traits.locked));
-    solve_points(line, row, ((points, traits), shift), (row.press_mass, Demand::bouncing));
+    solve_all(line, row, ((points, traits), shift), (row.press_mass, Demand::bouncing));
 }
 
 /// A point that departs keeps no warm start: its impulse was the blow of the last step. Given again, it would be
