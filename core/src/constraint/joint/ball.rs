@@ -17,7 +17,7 @@ use bytemuck::{Pod, Zeroable};
 
 /// Share of a gap that a substep closes. More than other locks take back: in a net each joint's nudges open the
 /// gaps of its neighbours again, and all that is left to fear, an overshoot, begins at 2.
-const PUSH: f32 = 0.7;
+const PUSH: f32 = 0.5;
 
 /// Eight joints. All 0 in an empty lane.
 #[repr(C)]
