@@ -48,6 +48,11 @@ impl<T> Span<T> {
         Self { offset, count, kind: PhantomData }
     }
 
+    /// Bytes of an element.
+    pub const fn row_bytes(&self) -> usize {
+        core::mem::size_of::<T>()
+    }
+
     /// Offset of the next section.
     pub const fn end(&self) -> usize {
         (self.offset + self.count * core::mem::size_of::<T>()).next_multiple_of(LINE)

@@ -274,6 +274,12 @@ impl LaneVec {
         crate::math::Vec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
     }
 
+    /// The components, each 0 where it is not finite.
+    #[inline(always)]
+    pub fn finite(self) -> Self {
+        Self { x: self.x.finite(), y: self.y.finite(), z: self.z.finite() }
+    }
+
     /// Scalar product.
     #[inline(always)]
     pub fn dot(self, o: Self) -> Lane {

@@ -5,8 +5,7 @@
 
 use crate::executor::Stage;
 use crate::pipeline::layout::Plan;
-use crate::pool::words;
-use crate::state::{Scratch, State};
+use crate::state::{Scratch, State, sections_in_use};
 use bytemuck::cast_slice;
 
 /// Looks at a step: see [`World::step_observed`](crate::World::step_observed).
@@ -45,42 +44,12 @@ impl<'a, 's> StageView<'a, 's> {
     /// [`World::checksum_by_section`](crate::World::checksum_by_section).
     pub fn sections(&self) -> impl Iterator<Item = Named<'a>> + use<'a, 's> {
         let state = self.state;
-        let header = &state.header[0];
-        let (bodies, shapes) = (header.bodies.high as usize, header.shapes.high as usize);
-        let joints = header.joints.high as usize;
-        macro_rules! live {
-            ($($name:ident: $rows:expr),* $(,)?) => {
-                [$((stringify!($name), cast_slice(&state.$name[..($rows).min(state.$name.len())]))),*]
+        macro_rules! section {
+            ($name:ident, $rows:expr) => {
+                (stringify!($name), cast_slice(&state.$name[..$rows.min(state.$name.len())]))
             };
         }
-        live!(
-            header: 1,
-            motions: bodies,
-            bodies: bodies,
-            body_generations: bodies,
-            body_used: words(bodies),
-            shapes: shapes,
-            shape_generations: shapes,
-            shape_used: words(shapes),
-            pairs: header.pairs as usize,
-            contacts: header.contacts as usize,
-            asleep_pairs: header.asleep_pairs as usize,
-            asleep_contacts: header.asleep_contacts as usize,
-            ordering: 1,
-            dirt: bodies,
-            joints: joints,
-            joint_axes: joints,
-            joint_generations: joints,
-            joint_used: words(joints),
-            first_joints: bodies,
-            materials: header.materials as usize,
-            pair_rules: header.pair_rules as usize,
-            events: header.events as usize,
-            tenants: shapes,
-            visits: header.visits as usize,
-            news: words(bodies),
-        )
-        .into_iter()
+        sections_in_use!(&state.header[0], section).into_iter()
     }
 
     /// The rows of the solver, after [`Stage::Assembly`] and [`Stage::Solve`]; none after others. They follow from

@@ -238,6 +238,44 @@ region! {
     }
 }
 
+/// The sections of the state in their order, each as `$section!(name, rows)` makes it of the rows that the marks of
+/// a header say are in use; those of sections of no length are none.
+macro_rules! sections_in_use {
+    ($header:expr, $section:ident) => {{
+        let header: &$crate::state::Header = $header;
+        let (bodies, shapes) = (header.bodies.high as usize, header.shapes.high as usize);
+        let joints = header.joints.high as usize;
+        [
+            $section!(header, 1),
+            $section!(motions, bodies),
+            $section!(bodies, bodies),
+            $section!(body_generations, bodies),
+            $section!(body_used, $crate::pool::words(bodies)),
+            $section!(shapes, shapes),
+            $section!(shape_generations, shapes),
+            $section!(shape_used, $crate::pool::words(shapes)),
+            $section!(pairs, header.pairs as usize),
+            $section!(contacts, header.contacts as usize),
+            $section!(asleep_pairs, header.asleep_pairs as usize),
+            $section!(asleep_contacts, header.asleep_contacts as usize),
+            $section!(ordering, 1),
+            $section!(dirt, bodies),
+            $section!(joints, joints),
+            $section!(joint_axes, joints),
+            $section!(joint_generations, joints),
+            $section!(joint_used, $crate::pool::words(joints)),
+            $section!(first_joints, bodies),
+            $section!(materials, header.materials as usize),
+            $section!(pair_rules, header.pair_rules as usize),
+            $section!(events, header.events as usize),
+            $section!(tenants, shapes),
+            $section!(visits, header.visits as usize),
+            $section!(news, $crate::pool::words(bodies)),
+        ]
+    }};
+}
+pub(crate) use sections_in_use;
+
 /// The memo of each contact is in its place.
 pub(crate) const MEMOS_FIT: u32 = 1;
 /// After a restore: where the memo of each settled contact is stands in `memo_sources`.

@@ -45,7 +45,7 @@ mod tests {
         let capacities = Capacities { joints: 1, events: 1, ..Capacities::for_bodies(1) };
         let header = bytemuck::Zeroable::zeroed();
         let layout = crate::world::Layout::new(&capacities);
-        for section in super::super::snapshot::sections_of(&layout.state, &capacities, &header) {
+        for section in super::super::snapshot::sections_of(&layout.state, &header) {
             let mut byte = 0;
             while byte < section.size {
                 let field = Field::at(section.name, byte);

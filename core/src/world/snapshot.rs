@@ -4,11 +4,10 @@ mod caches;
 mod header;
 
 use super::checksum::hash;
-use super::{Capacities, World};
+use super::World;
 use crate::arena::Line;
 use crate::error::{Error, SnapshotError};
-use crate::pool::words;
-use crate::state::{Header, StateLayout};
+use crate::state::{Header, StateLayout, sections_in_use};
 use core::mem::size_of;
 use core::ops::Range;
 
@@ -49,47 +48,24 @@ pub(super) const SECTIONS: usize = 25;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 
-/// The sections of a state, for the marks of a header.
-pub(super) fn sections_of(s: &StateLayout, capacities: &Capacities, header: &Header) -> [Section; SECTIONS] {
-    let (bodies, shapes) = (header.bodies.high as usize, header.shapes.high as usize);
-    let joints = header.joints.high as usize;
+/// The sections of a state, for the marks of a header that are within the capacities.
+pub(super) fn sections_of(s: &StateLayout, header: &Header) -> [Section; SECTIONS] {
     macro_rules! section {
-        ($name:ident, $type:ty, $rows:expr) => {
-            Section { name: stringify!($name), offset: s.$name.offset, size: size_of::<$type>(), rows: $rows }
+        ($name:ident, $rows:expr) => {
+            Section {
+                name: stringify!($name),
+                offset: s.$name.offset,
+                size: s.$name.row_bytes(),
+                rows: $rows.min(s.$name.count),
+            }
         };
     }
-    [
-        section!(header, Header, 1),
-        section!(motions, crate::body::Motion, bodies),
-        section!(bodies, crate::body::BodyRow, bodies),
-        section!(body_generations, u32, bodies),
-        section!(body_used, u64, words(bodies)),
-        section!(shapes, crate::shape::ShapeRow, shapes),
-        section!(shape_generations, u32, shapes),
-        section!(shape_used, u64, words(shapes)),
-        section!(pairs, crate::state::Pair, header.pairs as usize),
-        section!(contacts, crate::state::ContactRow, header.contacts as usize),
-        section!(asleep_pairs, crate::state::Pair, header.asleep_pairs as usize),
-        section!(asleep_contacts, crate::state::ContactRow, header.asleep_contacts as usize),
-        section!(ordering, crate::cells::OrderingRow, 1),
-        section!(dirt, u8, bodies),
-        section!(joints, crate::joint::JointRow, joints),
-        section!(joint_axes, [crate::joint::AxisRow; 6], joints),
-        section!(joint_generations, u32, joints),
-        section!(joint_used, u64, words(joints)),
-        section!(first_joints, u32, if capacities.joints == 0 { 0 } else { bodies }),
-        section!(materials, crate::material::MaterialRow, header.materials as usize),
-        section!(pair_rules, crate::material::PairRule, header.pair_rules as usize),
-        section!(events, crate::event::EventRow, header.events as usize),
-        section!(tenants, crate::event::Tenant, if capacities.events == 0 { 0 } else { shapes }),
-        section!(visits, crate::event::Visit, header.visits as usize),
-        section!(news, crate::event::BodyNews, words(bodies)),
-    ]
+    sections_in_use!(header, section)
 }
 
 impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     pub(super) fn sections_for(&self, header: &Header) -> [Section; SECTIONS] {
-        sections_of(&self.layout.state, &self.capacities, header)
+        sections_of(&self.layout.state, header)
     }
 
     pub(super) fn sections(&self) -> [Section; SECTIONS] {

@@ -185,9 +185,11 @@ impl<'a> Player<'a> {
     /// Gives the world a command; says when its outcome is another than recorded.
     pub(super) fn give(&mut self, command: &StepCommand, index: usize) -> Option<Divergence> {
         let is_refused = self.world.apply(&command.command).is_err();
-        let (was_refused, command) = (command.is_refused, Box::new(command.command));
-        let difference = Difference::Outcome { index, command, was_refused };
-        (is_refused != was_refused).then_some(Divergence { step: self.step, difference })
+        let was_refused = command.is_refused;
+        (is_refused != was_refused).then(|| {
+            let difference = Difference::Outcome { index, command: Box::new(command.command), was_refused };
+            Divergence { step: self.step, difference }
+        })
     }
 
     /// Takes the step.

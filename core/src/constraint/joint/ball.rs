@@ -10,7 +10,7 @@
 use super::super::contact::{Pass, Sweep};
 use super::super::velocities::{Velocities, motions, root_times};
 use super::follow::Turning;
-use super::solve::{NUDGE_MAX, PIVOT_SHARE};
+use super::solve::{NUDGE_MAX, inverse};
 use crate::lanes::{LANES, Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bytemuck::{Pod, Zeroable};
@@ -99,8 +99,7 @@ impl BallRow {
         let gap = self.lever_a - self.arm_a;
         let back = LaneVec::new(back(gap.x), back(gap.y), back(gap.z));
         let x = self.substitute(self.rate(&nudges) + back + self.curvature(&u, sweep.substep));
-        let x = LaneVec::new(x.x.finite(), x.y.finite(), x.z.finite());
-        self.push(&mut nudges, x, (self.lever_a, self.arm_b));
+        self.push(&mut nudges, x.finite(), (self.lever_a, self.arm_b));
         nudges.scatter_nudges(ends, seats);
     }
 
@@ -139,9 +138,8 @@ impl BallRow {
     /// Adds to the impulse; returns by how much it changes.
     #[inline(always)]
     fn add(&mut self, x: LaneVec) -> LaneVec {
-        let after = self.impulse + x;
-        let after =
-            LaneVec::new(after.x.finite().flushed(), after.y.finite().flushed(), after.z.finite().flushed());
+        let after = (self.impulse + x).finite();
+        let after = LaneVec::new(after.x.flushed(), after.y.flushed(), after.z.flushed());
         let change = after - self.impulse;
         self.impulse = after;
         change
@@ -162,10 +160,9 @@ impl BallRow {
     fn follow(&mut self, seats: &[Seat], masses: LaneVec) {
         let [a, b] = motions((&self.seats_a, &self.seats_b), seats);
         // A body that is no longer finite keeps its arms, so that it does not spread.
-        let finite = |v: LaneVec| LaneVec::new(v.x.finite(), v.y.finite(), v.z.finite());
-        let moved = finite(LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
-        let turn_a = finite(root_times(&self.root_a, LaneVec::new(a[4], a[5], a[6])));
-        let turn_b = finite(root_times(&self.root_b, LaneVec::new(b[4], b[5], b[6])));
+        let moved = LaneVec::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]).finite();
+        let turn_a = root_times(&self.root_a, LaneVec::new(a[4], a[5], a[6])).finite();
+        let turn_b = root_times(&self.root_b, LaneVec::new(b[4], b[5], b[6])).finite();
         let half = Lane::splat(0.5);
         let change_b = Turning::new(turn_b).change(self.arm_b);
         let change_a = moved + change_b;
@@ -184,12 +181,6 @@ impl BallRow {
     #[inline(always)]
     pub fn weigh(&mut self, masses: LaneVec) {
         let [xx, yy, zz, xy, xz, yz] = self.yields(masses);
-        let one = Lane::splat(1.0);
-        let inverse = |pivot: Lane, own: Lane| {
-            let least = own * Lane::splat(PIVOT_SHARE);
-            let stands = pivot.greater(least).and(own.greater(Lane::splat(f32::MIN_POSITIVE)));
-            stands.select(one / stands.select(pivot, one), Lane::ZERO)
-        };
         let x = inverse(xx, xx);
         let (yx, zx) = (xy * x, xz * x);
         let y = inverse(yy - xy * yx, yy);

@@ -339,8 +339,7 @@ fn advance(link: &mut JointLink, seats: &[Seat], substep: f32) -> [LaneVec; 3] {
         turn_b = turn_b + wb.times(h);
     }
     // A body that is no longer finite keeps its arms, so that it does not spread.
-    let finite = |v: LaneVec| LaneVec::new(v.x.finite(), v.y.finite(), v.z.finite());
-    let (moved, turn_a, turn_b) = (finite(moved), finite(turn_a), finite(turn_b));
+    let (moved, turn_a, turn_b) = (moved.finite(), turn_a.finite(), turn_b.finite());
     link.centers = link.centers + moved;
     let (about_a, about_b) = (Turning::new(turn_a), Turning::new(turn_b));
     link.arm_a = about_a.of(link.arm_a);

@@ -307,9 +307,15 @@ pub(super) fn factor(locks: &mut [LockRow], masses: LaneVec) {
             pivot = pivot - entry * share;
             locks[i].factor[j] = share;
         }
-        let stands =
-            pivot.greater(own * Lane::splat(PIVOT_SHARE)).and(own.greater(Lane::splat(f32::MIN_POSITIVE)));
-        let one = Lane::splat(1.0);
-        locks[i].inverse = stands.select(one / stands.select(pivot, one), Lane::ZERO);
+        locks[i].inverse = inverse(pivot, own);
     }
+}
+
+/// The inverse of a pivot, or 0 where nothing but rounding is left of its row's own yield.
+#[inline(always)]
+pub(super) fn inverse(pivot: Lane, own: Lane) -> Lane {
+    let stands =
+        pivot.greater(own * Lane::splat(PIVOT_SHARE)).and(own.greater(Lane::splat(f32::MIN_POSITIVE)));
+    let one = Lane::splat(1.0);
+    stands.select(one / stands.select(pivot, one), Lane::ZERO)
 }

@@ -121,7 +121,7 @@ impl Capacities {
             self.surfaces,
         ];
         let counts = hash(bytemuck::bytes_of(&assets), hash(bytemuck::bytes_of(&state), 0));
-        let sections = sections_of(&StateLayout::new(self), self, &Header::zeroed());
+        let sections = sections_of(&StateLayout::new(self), &Header::zeroed());
         sections.iter().fold(counts, |sum, section| hash(&(section.size as u64).to_le_bytes(), sum))
     }
 
@@ -142,7 +142,7 @@ impl Capacities {
             visits: self.sensor_visits,
             ..Header::zeroed()
         };
-        let sections = sections_of(&StateLayout::new(self), self, &header);
+        let sections = sections_of(&StateLayout::new(self), &header);
         SnapshotHeader::BYTES + sections.iter().map(|s| s.rows * s.size).sum::<usize>()
     }
 }

@@ -83,7 +83,7 @@ impl fmt::Display for FieldDifference {
                 None => write!(f, "{and}absent")?,
             }
         }
-        write!(f, "; {} bodies differ", self.bodies_that_differ)
+        write!(f, "; bodies that differ: {}", self.bodies_that_differ)
     }
 }
 
