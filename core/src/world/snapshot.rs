@@ -3,8 +3,8 @@
 mod caches;
 mod header;
 
-use super::checksum::hash;
 use super::World;
+use super::checksum::hash;
 use crate::arena::Line;
 use crate::error::{Error, SnapshotError};
 use crate::state::{Header, StateLayout, sections_in_use};
