@@ -1,11 +1,15 @@
 //! Settings of a world, and the named constants behind its defaults.
 
+mod preset;
+
 use crate::error::Error;
 use crate::event::EventKinds;
 use crate::math::Vec3;
 use crate::state::{Field, fields};
 use crate::validate;
 use bytemuck::{Pod, Zeroable};
+
+pub use preset::Preset;
 
 /// Version of the bits: changes whenever the same snapshot and commands would give other states.
 pub const BEHAVIOUR_VERSION: u32 = 3;
