@@ -2,6 +2,7 @@
 
 pub mod commands;
 pub mod executors;
+pub mod extremes;
 pub mod fuzzing;
 pub mod jointed;
 pub mod mixed;

@@ -8,7 +8,8 @@
 //! - it has no line in that file.
 //!
 //! Steps have the same bits on every machine, so an error is one exact number, and any change of it is a change of
-//! behaviour. `UPDATE=1` writes the lines of a case anew and prints those that are worse; gates hold all the same.
+//! behaviour. What is known to be beyond its gate is listed with its case ([`Case::owes`]), and fails when it is not
+//! any more, so that the list stays true. `UPDATE=1` writes the lines of a case anew and prints those that are worse; gates hold all the same.
 //! The file is sorted, a line is `case | measure | preset | error | unit`, errors have two digits.
 
 use crate::jointed;
@@ -33,6 +34,7 @@ const OWN: &str = "own";
 pub struct Case {
     name: &'static str,
     gated_from: Preset,
+    owed: &'static [(Preset, &'static str)],
 }
 
 /// What was measured: case, measure and preset, with error and unit.
@@ -42,12 +44,17 @@ impl Case {
     /// A case whose gates hold at every preset.
     pub fn new(name: &'static str) -> Self {
         assert!(!name.contains('|'), "the golden file is split there");
-        Self { name, gated_from: Preset::Fast }
+        Self { name, gated_from: Preset::Fast, owed: &[] }
     }
 
     /// Its gates hold from this preset on; below it is scored alone.
     pub fn gated_from(self, preset: Preset) -> Self {
         Self { gated_from: preset, ..self }
+    }
+
+    /// Measures that are known to be beyond their gates at some presets.
+    pub fn owes(self, owed: &'static [(Preset, &'static str)]) -> Self {
+        Self { owed, ..self }
     }
 
     /// Runs it at every preset.
@@ -170,9 +177,12 @@ impl Sheet {
     pub fn judge(&mut self, measure: &str, (error, unit): (f64, &str), [excellent, gate]: [f64; 2]) {
         let error = if error.is_nan() { f64::INFINITY } else { error };
         let gated = self.preset.is_none_or(|preset| preset >= self.case.gated_from);
+        let owed = self.case.owed.contains(&(self.preset(), measure));
         let verdict = match error {
+            e if e <= gate && owed => "inside the gate, and listed as owed",
             e if e <= excellent => "excellent",
             e if e <= gate => "acceptable",
+            _ if owed => "beyond the gate, as is known",
             _ if gated => "beyond the gate",
             _ => "without a gate",
         };
@@ -181,7 +191,7 @@ impl Sheet {
         let line =
             format!("{}: {error:.3e} {unit}, marks {excellent:.1e} / {gate:.1e}: {verdict}", key.join(", "));
         println!("{line}");
-        if verdict == "beyond the gate" {
+        if verdict == "beyond the gate" || verdict.ends_with("owed") {
             self.failed.push(line);
         }
     }

@@ -7,7 +7,7 @@
 
 use cellstep::math::Vec3;
 use cellstep::{
-    BodyDef, BodyHandle, Capacities, Geometry, MassProperties, Position, Preset, Serial, Settings, ShapeDef,
+    BodyDef, BodyHandle, Capacities, Geometry, MassProperties, Position, Serial, Settings, ShapeDef,
 };
 use cellstep_tests::executors::Random;
 use cellstep_tests::oracles::center;
@@ -69,16 +69,22 @@ fn fall(sheet: &Sheet, dt: f32, steps: u32) -> f64 {
 
 #[test]
 fn balls_hardly_overlap_at_ten_milliseconds() {
-    Case::new("216 balls at 10 ms").gated_from(Preset::Balanced).run(|sheet| {
+    Case::new("216 balls at 10 ms").run(|sheet| {
         sheet.judge("squared overlap", (fall(sheet, 0.01, 1000), "m2"), [1.5e-3, 1.5e-2]);
     });
 }
 
 #[test]
 fn balls_hardly_overlap_at_one_millisecond() {
-    Case::new("216 balls at 1 ms").gated_from(Preset::Balanced).run(|sheet| {
-        let clock = std::time::Instant::now();
+    Case::new("216 balls at 1 ms, first 0.5 s").run(|sheet| {
+        sheet.judge("squared overlap", (fall(sheet, 0.001, 500), "m2"), [1.35e-5, 1.35e-4]);
+    });
+    // Ten seconds take half a minute for all presets.
+    if std::env::var_os("LONG").is_none_or(|value| value != "1") {
+        println!("skipped: the other 9.5 s; LONG=1 runs them");
+        return;
+    }
+    Case::new("216 balls at 1 ms").run(|sheet| {
         sheet.judge("squared overlap", (fall(sheet, 0.001, 10_000), "m2"), [1.35e-5, 1.35e-4]);
-        println!("{:?}", clock.elapsed());
     });
 }
