@@ -491,7 +491,8 @@ fn joints_conserve_momentum() {
                     most = most.max(bodies.iter().map(|&body| energy(&world, body, 0.0)).sum());
                 }
                 println!("angular momentum {worst_turning:.2e}, energy {before:.3} to {most:.3} J");
-                // Rounding of some 45 impulses a substep on the heaviest body: a random walk, longer with more substeps.
+                // Rounding of some 45 impulses a substep on the heaviest body: a random walk, longer with more
+                // substeps.
                 let steps = f64::from(substeps) / 4.0;
                 sheet.judge("momentum in 10 s", (worst, "relative"), [1.0e-6, 1.0e-5 * steps.max(1.0)]);
                 sheet.judge("angular momentum in 10 s", (worst_turning, "relative"), [1.0e-5, 1.0e-3]);

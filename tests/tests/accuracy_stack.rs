@@ -4,6 +4,7 @@
 //! = 2 pi f`; contacts with immovable bodies have twice the frequency. A column of n equal cubes on the ground
 //! sinks `(g / w^2) (n (n - 1) + n / 4)`, a mass r on a mass 1 sinks `(g / w^2) (1 + r) (1 + 1/4)`.
 
+use cellstep::config::CONTACT_COUPLING;
 use cellstep::math::{Rotation, Vec3};
 use cellstep::{
     BodyDef, BodyHandle, ContactModel, Geometry, Position, Preset, Serial, Settings, ShapeDef, ShapeHandle,
@@ -22,7 +23,7 @@ fn compliance(frequency: f64) -> f64 {
 
 /// Frequency of contacts that follow the substep rate, Hz.
 fn coupled(substeps: u32) -> f64 {
-    0.125 * 60.0 * f64::from(substeps)
+    f64::from(CONTACT_COUPLING) * 60.0 * f64::from(substeps)
 }
 
 /// Unit cubes of the densities on the ground, one exactly on the other.
@@ -41,7 +42,7 @@ fn column(settings: &Settings, densities: &[f32]) -> (OwnedWorld, Vec<(BodyHandl
 
 /// Soft contacts that follow the substep rate.
 fn soft(substeps: u32) -> Settings {
-    Settings { substeps, contact_model: ContactModel::Soft, ..Settings::default() }
+    Settings { substeps, contact_model: ContactModel::Soft, refine: 1, ..Settings::default() }
 }
 
 /// How far the column's top sank after a time, metres. It must have come to rest.
@@ -94,13 +95,12 @@ fn a_hundredfold_mass_on_top_sinks_by_the_law() {
 
 /// Greatest error of a force between neighbours against the weight above, relative.
 fn force_error(world: &OwnedWorld, cubes: &[(BodyHandle, ShapeHandle)]) -> f64 {
-    let substep = f64::from(world.settings().substep());
     let mut worst = 0.0_f64;
     let mut found = 0;
     for contact in world.contacts() {
         let upper = cubes.iter().position(|cube| cube.1 == contact.shapes[1]).expect("a cube is above");
         let weight = (cubes.len() - upper) as f64 * 1000.0 * GRAVITY;
-        worst = worst.max(relative(f64::from(contact.normal_impulse()) / substep, weight));
+        worst = worst.max(relative(f64::from(contact.normal_force()), weight));
         found += 1;
     }
     assert_eq!(found, cubes.len(), "one contact below each cube");
