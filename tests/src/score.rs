@@ -178,7 +178,7 @@ impl Sheet {
     pub fn judge(&mut self, measure: &str, (error, unit): (f64, &str), [excellent, gate]: [f64; 2]) {
         let error = if error.is_nan() { f64::INFINITY } else { error };
         let gated = self.preset.is_none_or(|preset| preset >= self.case.gated_from);
-        let owed = self.case.owed.contains(&(self.preset(), measure));
+        let owed = self.case.owed.contains(&(self.preset(), measure.trim()));
         let verdict = match error {
             e if e <= gate && owed => "inside the gate, and listed as owed",
             e if e <= excellent => "excellent",
@@ -212,7 +212,7 @@ impl Sheet {
     fn note(&mut self, measure: &str, (error, unit): (f64, &str)) -> [String; 3] {
         assert!(!measure.contains('|') && !unit.contains('|'), "the golden file is split there");
         let preset = self.preset.map_or(OWN, Preset::name);
-        let key = [self.case.name, measure, preset].map(String::from);
+        let key = [self.case.name, measure.trim(), preset].map(String::from);
         let before = self.lines.insert(key.clone(), (error, unit.into()));
         assert!(before.is_none(), "{} is measured twice", key.join(", "));
         key
