@@ -13,11 +13,9 @@ use crate::oracles::{center, dot, mass, norm, spin, spin_energy, velocity, wide}
 use crate::worlds::{self, OwnedWorld};
 use cellstep::{BodyKind, Capacities, Executor, Pool, Preset, Serial, Settings, StepReport};
 
-/// By how much the energy may be above its bound, as a share of what there is: rounding, the softness of contacts,
-/// and with the two substeps of the fastest preset what joints make of a swing.
-fn energy_slack(preset: Preset) -> f64 {
-    if preset == Preset::Fast { 1.0e-2 } else { 1.0e-3 }
-}
+/// By how much the energy may be above its bound, as a share of what there is: rounding, and the softness of
+/// contacts.
+const ENERGY_SLACK: f64 = 1.0e-3;
 
 /// How many times the work of the ordinary scene a step may take.
 const COST_MAX: u64 = 10;
@@ -36,6 +34,8 @@ pub struct Attack<'a> {
     pub act: &'a dyn Fn(&mut OwnedWorld, u32),
     /// The greatest speed that push-out may give a body, m/s: 0 in a scene without overlaps.
     pub push_out: f64,
+    /// By how much the energy may be above its bound, as a share of what there is.
+    pub slack: f64,
     /// True where kinematic bodies or drives do work, which nobody counts: energy is not looked at.
     pub driven: bool,
 }
@@ -88,6 +88,7 @@ impl Attack<'_> {
             build,
             act: &|_, _| {},
             push_out: 0.0,
+            slack: ENERGY_SLACK,
             driven: false,
         }
     }
@@ -128,7 +129,7 @@ impl Attack<'_> {
             run.gain = run.gain.max((now - bound - pushed) / most.max(f64::MIN_POSITIVE));
             if !self.driven {
                 assert!(
-                    run.gain <= energy_slack(preset),
+                    run.gain <= self.slack,
                     "{}: {now:.6e} J, at most {bound:.6e} + {pushed:.2e} of {most:.2e} J",
                     at(step)
                 );

@@ -7,9 +7,9 @@
 //!   where there is hardly any;
 //! - it has no line in that file.
 //!
-//! Steps have the same bits on every machine, so an error is one exact number, and any change of it is a change of
-//! behaviour. What is known to be beyond its gate is listed with its case ([`Case::owes`]), and fails when it is not
-//! any more, so that the list stays true. `UPDATE=1` writes the lines of a case anew and prints those that are worse;
+//! Steps have the same bits on every machine, so an error is one exact number, and a change of it is a change of
+//! behaviour. What is known to be beyond its gate is listed with its case, [`Case::owes`], and fails when it is not
+//! any more, so that the list stays true. `UPDATE=1` writes a case anew and prints what is worse;
 //! gates hold all the same. The file is sorted, a line is `case | measure | preset | error | unit`, errors have two
 //! digits.
 
