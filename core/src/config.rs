@@ -213,7 +213,7 @@ impl Settings {
         }
         let substeps = (self.substeps * self.refine).min(SUBSTEPS_MAX);
         let times = substeps as f32 / self.substeps as f32;
-        // For four times the substeps what had sunk is pushed out twice as fast, not four times: else it is shot out.
+        // For four times the substeps what had sunk comes up twice as fast, not four times: else it is shot out.
         let contact_damping_ratio = self.contact_damping_ratio * sqrt(times);
         Self { substeps, contact_frequency: self.contact_frequency * times, contact_damping_ratio, ..*self }
     }

@@ -2,8 +2,8 @@
 //!
 //! A soft contact of frequency f under the force F between bodies of effective mass m* rests at `F / (m* w^2)`, `w
 //! = 2 pi f`; contacts with immovable bodies have twice the frequency. A column of n equal cubes on the ground
-//! sinks `(g / w^2) (n (n - 1) + n / s^2)`, a mass r on a mass 1 sinks `(g / w^2) (1 + r) (1 + 1 / s^2)`, s being how
-//! many times stiffer in frequency contacts with the ground are.
+//! sinks `(g / w^2) (n (n - 1) + n / s^2)`, a mass r on a mass 1 sinks `(g / w^2) (1 + r) (1 + 1 / s^2)`, s being
+//! how many times stiffer in frequency contacts with the ground are.
 
 use cellstep::config::{CONTACT_COUPLING, STATIC_STIFFNESS};
 use cellstep::math::{Rotation, Vec3};
