@@ -107,6 +107,7 @@ fn full() -> Scene {
         description: "all\nof it".to_string(),
         gravity: [0.1, 0.2, 0.3],
         settings: SettingsDoc {
+            preset: Some(PresetDoc::Fast),
             dt: Some(0.01),
             substeps: Some(3),
             sweeps: Some(2),

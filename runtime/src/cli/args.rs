@@ -1,5 +1,6 @@
 //! What the command line may say.
 
+use cellstep::Preset;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -47,11 +48,13 @@ pub enum Command {
 const RUN_HELP: &str = "\
 Times are means per step. A stage's time is wall-clock from its start to the next stage's; `serial` is the
 part of the whole step, over all stages, that runs on one thread. Counts are those of the last step; drops
-and quarantines are totals; barriers are the mean per step. The state's size is that of a snapshot.
+and quarantines are totals; barriers are the mean per step. The state's size is that of a snapshot. `settings` are
+those of the run, as a scene file would say them.
 
 Examples:
   cellstep run tower --steps 600
   cellstep run level.json --workers 4 --substeps 8
+  cellstep run wall --preset accurate
   cellstep run pyramid --size 20 --json | jq .checksum";
 
 /// Arguments of `run`.
@@ -66,7 +69,11 @@ pub struct RunArgs {
     /// Number of threads, this one included [default: one for each processor].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub workers: Option<u16>,
-    /// Substeps of each step [default: as the scene says].
+    /// A place on the dial between speed and accuracy: fast, balanced, accurate or exact. It replaces what the
+    /// scene says of substeps, sweeps and contacts [default: as the scene says].
+    #[arg(long, value_name = "NAME", value_parser = preset)]
+    pub preset: Option<Preset>,
+    /// Substeps of each step [default: as the scene or the preset says].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     pub substeps: Option<u32>,
     /// Size of a built-in scene; `cellstep scenes` says what it counts [default: the scene's own].
@@ -84,6 +91,12 @@ pub struct RunArgs {
     /// Steps from keyframe to keyframe of the replay; 0 for the first state alone.
     #[arg(long, value_name = "N", default_value_t = 600, requires = "record")]
     pub keyframes_every: u32,
+}
+
+/// A preset by its name.
+fn preset(name: &str) -> Result<Preset, String> {
+    let names = || Preset::ALL.map(Preset::name).join(", ");
+    Preset::find(name).ok_or_else(|| format!("expected one of {}", names()))
 }
 
 const VERIFY_HELP: &str = "\

@@ -6,6 +6,7 @@ use crate::report::{Report, StageMs};
 use cellstep::executor::Stage;
 use cellstep::replay::{AssetSet, Options, Recorder};
 use cellstep::scene::builtin::{BUILTIN, Builtin};
+use cellstep::scene::format::SettingsDoc;
 use cellstep::scene::{self, Build, Limits, Scene};
 use cellstep::{Memory, Pool, Timed, World};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -21,11 +22,7 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
         // A note that cannot be shown is no reason to stop.
         let _ = writeln!(io::stderr(), "note: mesh `{mesh}`: {notes}");
     }
-    if let Some(substeps) = args.substeps {
-        let mut settings = world.settings();
-        settings.substeps = substeps;
-        world.set_settings(&settings).map_err(|error| format!("--substeps {substeps}: {error}"))?;
-    }
+    turn_dial(args, &mut world)?;
     let workers = args.workers.map_or_else(processors, usize::from);
     let pool = Pool::new(workers).map_err(|error| format!("--workers {workers}: {error}"))?;
     let mut executor = Timed::new(pool);
@@ -60,6 +57,7 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
         steps: args.steps,
         workers,
         substeps: world.settings().substeps,
+        settings: SettingsDoc::dial(&world.settings()),
         bodies: world.bodies().count(),
         asleep: world.bodies().filter(|&body| world.is_asleep(body).unwrap_or(false)).count(),
         joints: world.joint_count(),
@@ -85,6 +83,18 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
         },
         penetration_max: world.penetration_max(),
     })
+}
+
+/// Sets what the command line says of the dial, beside what the scene says.
+fn turn_dial(args: &RunArgs, world: &mut World<Memory>) -> Result<(), String> {
+    let mut settings = world.settings();
+    if let Some(preset) = args.preset {
+        preset.apply(&mut settings);
+    }
+    if let Some(substeps) = args.substeps {
+        settings.substeps = substeps;
+    }
+    world.set_settings(&settings).map_err(|error| format!("--preset or --substeps: {error}"))
 }
 
 /// Every record is written at once, so that nothing is lost in a crash.
