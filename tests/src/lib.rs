@@ -8,6 +8,7 @@ pub mod mixed;
 pub mod oracles;
 pub mod reference;
 pub mod schedules;
+pub mod sectors;
 pub mod simulator;
 pub mod solids;
 pub mod worlds;
