@@ -17,11 +17,9 @@ use std::time::{Duration, Instant};
 
 /// Makes the scene, steps it, and tells what happened. Errors are for the user.
 pub fn run(args: &RunArgs) -> Result<Report, String> {
-    let Build { mut world, notes, assets, .. } = build(args)?;
-    for (mesh, notes) in &notes {
-        // A note that cannot be shown is no reason to stop.
-        let _ = writeln!(io::stderr(), "note: mesh `{mesh}`: {notes}");
-    }
+    let built = build(&args.scene, args.size)?;
+    tell_notes(&built);
+    let Build { mut world, assets, .. } = built;
     turn_dial(args, &mut world)?;
     let workers = args.workers.map_or_else(processors, usize::from);
     let pool = Pool::new(workers).map_err(|error| format!("--workers {workers}: {error}"))?;
@@ -116,16 +114,24 @@ pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(Pool::WORKERS_MAX))
 }
 
-/// A built-in scene goes before a file of the same name: `./name` is the file.
-fn build(args: &RunArgs) -> Result<Build, String> {
-    if Builtin::find(&args.scene).is_some() {
-        return builtin(&args.scene, args.size)?.build(Path::new("")).map_err(|error| error.to_string());
+/// Tells what was mended in the meshes of a scene.
+pub fn tell_notes(built: &Build) {
+    for (mesh, notes) in &built.notes {
+        // A note that cannot be shown is no reason to stop.
+        let _ = writeln!(io::stderr(), "note: mesh `{mesh}`: {notes}");
     }
-    let file = Path::new(&args.scene);
+}
+
+/// Makes a scene in a size, or in its own. A built-in one goes before a file of the same name: `./name` is the file.
+pub fn build(name: &str, size: Option<u32>) -> Result<Build, String> {
+    if Builtin::find(name).is_some() {
+        return builtin(name, size)?.build(Path::new("")).map_err(|error| error.to_string());
+    }
+    let file = Path::new(name);
     if !file.exists() {
-        return Err(format!("{:?} is neither a file nor a built-in scene ({})", args.scene, names()));
+        return Err(format!("{name:?} is neither a file nor a built-in scene ({})", names()));
     }
-    if args.size.is_some() {
+    if size.is_some() {
         return Err("--size is for built-in scenes: a scene file has its own".to_string());
     }
     if import::is_model(file) {
