@@ -1,4 +1,4 @@
-//! `cellstep tune`: what it prints, and how it exits. Times are never asserted; errors are the same for any workers.
+//! `cellstep tune`: what it prints, and how it exits. Times are never asserted; errors do not depend on workers.
 #![cfg(feature = "cli")]
 
 use cellstep::Preset;

@@ -262,7 +262,8 @@ pub struct TuneArgs {
     #[arg(long, value_name = "E", value_parser = positive)]
     pub max_error: Option<f64>,
     /// Number of steps of each run.
-    #[arg(long, default_value_t = 300, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 300, value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub steps: u32,
     /// Number of threads, this one included [default: one for each processor].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]

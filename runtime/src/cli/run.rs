@@ -122,7 +122,7 @@ pub fn tell_notes(built: &Build) {
     }
 }
 
-/// Makes a scene in a size, or in its own. A built-in one goes before a file of the same name: `./name` is the file.
+/// Makes a scene in a size, or in its own. A built-in one goes before a file of its name: `./name` is the file.
 pub fn build(name: &str, size: Option<u32>) -> Result<Build, String> {
     if Builtin::find(name).is_some() {
         return builtin(name, size)?.build(Path::new("")).map_err(|error| error.to_string());

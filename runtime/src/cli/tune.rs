@@ -6,9 +6,9 @@
 //! tune/report.rs    the table, the frontier, and the choice
 //! ```
 //! Axes of error are told side by side and never added up. The one that the choice acts on, the headline, is the
-//! greatest of three lengths: how deep things overlap, how far joints gape, and by how much the bodies
-//! lie higher or lower than in a reference; the last is how a stack that has fallen shows, whose rubble overlaps by
-//! nothing. Two references say for how long runs of the scene can be compared at all: a pile falls otherwise with any
+//! greatest of three lengths: how deep things overlap, how far joints gape, and by how much the bodies lie higher
+//! or lower than in a reference; the last is how a stack that has fallen shows, whose rubble overlaps by nothing.
+//! Two references say for how long runs of the scene can be compared at all: a pile falls otherwise with any
 //! settings, and what two good runs of it differ by tells nothing of a third.
 
 #[path = "tune/dial.rs"]

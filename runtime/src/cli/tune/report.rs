@@ -24,7 +24,8 @@ pub struct Line {
     pub settings: SettingsDoc,
     /// Wall-clock time of a step, milliseconds, median.
     pub ms_per_step: f64,
-    /// The headline: the greatest of `penetration_p99`, `joint_gap_p99` and `height_error`; none when bodies were lost.
+    /// The headline: the greatest of `penetration_p99`, `joint_gap_p99` and `height_error`; none when bodies were
+    /// lost.
     pub error: Option<f64>,
     /// Overlap that 99 of a hundred overlapping points of contact do not exceed.
     pub penetration_p99: f64,
@@ -106,8 +107,8 @@ pub fn rank(lines: &mut [Line]) {
     }
 }
 
-/// The line to take, by index; or the nearest one and by what factor it misses the goal. `None` when no setting kept
-/// its bodies. Lines are in the order of [`rank`].
+/// The line to take, by index; or the nearest one and by what factor it misses the goal. `None` when no setting
+/// kept its bodies. Lines are in the order of [`rank`].
 pub fn choose(lines: &[Line], goal: Goal) -> Option<Result<usize, (usize, f64)>> {
     let sound = || lines.iter().enumerate().filter_map(|(index, line)| Some((index, line, line.error?)));
     match goal {
