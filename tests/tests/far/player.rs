@@ -16,7 +16,7 @@ const CORNER: Vec3 = Vec3::new(32.0, 32.0, 32.0);
 
 /// A player and two worlds for it, one of them shifted.
 fn start(seed: u64, by: Shift) -> (Simulator, OwnedWorld, OwnedWorld) {
-    let capacities = if seed % 3 == 0 { CAPACITIES } else { EVENTFUL };
+    let capacities = if seed.is_multiple_of(3) { CAPACITIES } else { EVENTFUL };
     let (_, mut there) = Simulator::new(seed, capacities);
     let (simulator, mut here) = Simulator::new(seed, capacities);
     move_bodies(&mut here, CORNER, [0; 3]);
