@@ -80,6 +80,7 @@ impl Display for Report {
         let preset = self.settings.preset.map_or("none", |preset| Preset::from(preset).name());
         row("preset", &preset)?;
         row("substeps", &self.substeps)?;
+        row("refine", &self.settings.refine.unwrap_or(1))?;
         row("sweeps", &sweeps(&self.settings))?;
         row("contact model", &self.settings.contact_model.map_or("", model_name))?;
         row("bodies", &self.bodies)?;

@@ -37,13 +37,17 @@ pub fn places(scene: &Settings, has_joints: bool) -> Vec<Place> {
     }
     add("scene".to_string(), *scene);
     for (model, name, counts) in [(ContactModel::Soft, "soft", SOFT), (ContactModel::Split, "split", SPLIT)] {
-        // All that belongs to a model comes from a preset that has it.
-        let base = Preset::ALL.map(turned).into_iter().find(|settings| settings.contact_model == model);
+        // All that belongs to a model comes from the dearest preset below `exact` that has it.
+        let presets = Preset::ALL[..3].iter().rev().map(|&preset| turned(preset));
+        let base = presets.into_iter().find(|settings| settings.contact_model == model);
         let base = Settings { contact_model: model, ..base.unwrap_or(*scene) };
         for substeps in counts {
             add(format!("{name}/{substeps}"), Settings { substeps, ..base });
         }
         add(format!("{name}/4, 2 inner"), Settings { substeps: 4, inner_sweeps: 2, ..base });
+    }
+    for preset in Preset::ALL {
+        add(format!("{}, no refine", preset.name()), Settings { refine: 1, ..turned(preset) });
     }
     if has_joints {
         for (preset, relax_sweeps) in RELAX {
@@ -58,31 +62,25 @@ pub fn places(scene: &Settings, has_joints: bool) -> Vec<Place> {
 
 /// The shortest way to say where the dial of some settings stands: a preset, and what differs from it.
 pub fn fragment(settings: &Settings) -> SettingsDoc {
-    let from = |preset: Preset| {
+    let fields_of = |settings: &Settings| {
+        let mut doc = serde_json::to_value(SettingsDoc::dial(settings)).unwrap_or_default();
+        doc.as_object_mut().map(std::mem::take).unwrap_or_default()
+    };
+    let own = fields_of(settings);
+    let others = |preset: Preset| {
         let mut base = *settings;
         preset.apply(&mut base);
-        SettingsDoc {
-            preset: Some(preset.into()),
-            substeps: (settings.substeps != base.substeps).then_some(settings.substeps),
-            sweeps: (settings.sweeps != base.sweeps).then_some(settings.sweeps),
-            relax_sweeps: (settings.relax_sweeps != base.relax_sweeps).then_some(settings.relax_sweeps),
-            inner_sweeps: (settings.inner_sweeps != base.inner_sweeps).then_some(settings.inner_sweeps),
-            contact_model: (settings.contact_model != base.contact_model)
-                .then(|| settings.contact_model.into()),
-            contact_frequency: (settings.contact_frequency != base.contact_frequency)
-                .then_some(settings.contact_frequency),
-            contact_damping_ratio: (settings.contact_damping_ratio != base.contact_damping_ratio)
-                .then_some(settings.contact_damping_ratio),
-            ..SettingsDoc::default()
-        }
-    };
-    let fields = |doc: &SettingsDoc| {
-        let json = serde_json::to_value(doc).ok();
-        json.and_then(|json| json.as_object().map(|fields| fields.len()))
+        let base = fields_of(&base);
+        let mut fields = own.clone();
+        fields.retain(|name, value| base.get(name) != Some(value));
+        fields
     };
     let away = |preset: Preset| Settings::from(preset).substeps.abs_diff(settings.substeps);
-    let best = Preset::ALL.into_iter().min_by_key(|&preset| (fields(&from(preset)), away(preset)));
-    best.map_or_else(|| SettingsDoc::dial(settings), from)
+    let nearest = Preset::ALL.into_iter().min_by_key(|&preset| (others(preset).len(), away(preset)));
+    let preset = nearest.unwrap_or_default();
+    let doc = serde_json::from_value::<SettingsDoc>(others(preset).into());
+    let doc = doc.unwrap_or_else(|_| SettingsDoc::dial(settings));
+    SettingsDoc { preset: Some(preset.into()), ..doc }
 }
 
 #[cfg(test)]
@@ -102,6 +100,13 @@ mod tests {
             let mut again = own;
             fragment(&place.settings).apply(&mut again);
             assert_eq!(again, place.settings, "{}", place.name);
+            // The fields of the dial say all of it, whatever stood there.
+            let dial = SettingsDoc { preset: None, ..SettingsDoc::dial(&place.settings) };
+            for preset in Preset::ALL {
+                preset.apply(&mut again);
+                dial.apply(&mut again);
+                assert_eq!(again, place.settings, "{}", place.name);
+            }
         }
         for preset in Preset::ALL {
             let place = all.iter().find(|place| place.name == preset.name()).unwrap();

@@ -160,10 +160,11 @@ impl Display for Report {
         )?;
         writeln!(
             f,
-            "  {:<18} {:<6} {:>8} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9}",
+            "  {:<20} {:<6} {:>8} {:>6} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9}",
             "setting",
             "model",
             "substeps",
+            "refine",
             "sweeps",
             "ms/step",
             "error, mm",
@@ -178,11 +179,12 @@ impl Display for Report {
             let error = line.error.map_or("lost".to_string(), millimetres);
             writeln!(
                 f,
-                "{} {:<18} {:<6} {:>8} {:>9} {:>9.3} {:>9} | {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9}",
+                "{} {:<20} {:<6} {:>8} {:>6} {:>9} {:>9.3} {:>9} | {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9}",
                 if line.on_frontier { '*' } else { ' ' },
                 line.name,
                 line.settings.contact_model.map_or("", model_name),
                 line.settings.substeps.unwrap_or_default(),
+                line.settings.refine.unwrap_or(1),
                 sweeps(&line.settings),
                 line.ms_per_step,
                 error,
