@@ -4,7 +4,7 @@ use crate::simulator::snapshot;
 use crate::worlds::OwnedWorld;
 use cellstep::config::SECTOR_MAX;
 use cellstep::math::Vec3;
-use cellstep::{Command, EventKind, Field, Position};
+use cellstep::{Command, EventKind, Field, Position, StepReport};
 
 /// A shift, sectors.
 pub type Shift = [i32; 3];
@@ -53,6 +53,13 @@ pub fn moved_command(command: &Command, metres: Vec3, by: Shift) -> Command {
         Command::ApplyImpulseAt(body, impulse, own) => Command::ApplyImpulseAt(body, impulse, place(own)),
         other => other,
     }
+}
+
+/// True when a body of the far world has left the world in a step, which it can only near the last sector: it was
+/// thrown out at thousands of kilometres per second, by commands without sense. Then the two part for good.
+pub fn has_left(by: Shift, here: &StepReport, there: &StepReport) -> bool {
+    let is_near_the_end = by.iter().any(|sectors| sectors.unsigned_abs() > SECTOR_MAX as u32 / 2);
+    is_near_the_end && there.quarantined > here.quarantined
 }
 
 /// A snapshot without its header and without the numbers of sectors, for comparing states that differ in these.
