@@ -3,6 +3,7 @@
 
 mod asked;
 mod border;
+mod origins;
 mod player;
 
 use cellstep::math::Vec3;
