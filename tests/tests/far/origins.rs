@@ -1,6 +1,6 @@
 //! Trees count their coordinates from some sector. Which one it is must change no bit, only time.
 
-use cellstep::math::{Rotation, Vec3};
+use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{BodyDef, BodyHandle, BodyKind, Geometry, Position, Serial, Settings, ShapeDef};
 use cellstep_tests::sectors::{SHIFTS, Shift, assert_same_but_for, moved};
 use cellstep_tests::simulator::snapshot;
@@ -99,6 +99,58 @@ fn one_world_can_be_in_two_far_places() {
             let [near, far] = [near, far].map(|&body| world.position(body).expect("alive"));
             let parted = moved(near, apart).minus(far).length();
             assert!(parted < 0.02, "{apart:?}: {parted} m");
+        }
+    }
+}
+
+/// A slope around the origin; a ball that rolls down and a box that stays, `far` metres along it. Their ways in 2 s.
+fn on_a_slope(far: f64, tilt: f32) -> [[f64; 3]; 2] {
+    let mut world = world(4);
+    let rotation = Rotation::from_rotation_vector(Vec3::new(0.1, tilt, 0.3));
+    let slope = BodyDef { kind: BodyKind::Static, rotation, ..BodyDef::default() };
+    let friction = 0.9;
+    let ground = ShapeDef {
+        friction,
+        pose: Pose::new(Vec3::new(1.0, 2.0, 0.0), Rotation::IDENTITY),
+        ..ShapeDef::new(Geometry::HalfSpace)
+    };
+    add(&mut world, &slope, &ground);
+    let n = rotation.rotate(Vec3::Z).to_array().map(f64::from);
+    // Along the surface to the last bit, whatever the length of the normal.
+    let at = |along: f64, height: f64| {
+        let x = [n[2] * along + n[0] * height, n[1] * height, n[2] * height - n[0] * along];
+        Position::from_f64(x)
+    };
+    let starts = [at(far, 0.5), at(far + 3.0, 0.5)];
+    let shapes = [ShapeDef::new(Geometry::Sphere { radius: 0.5 }), cuboid(0.5, 0.5, 0.5)];
+    let bodies = [0, 1].map(|i| {
+        let def = BodyDef { position: starts[i], rotation, ..BodyDef::default() };
+        add(&mut world, &def, &ShapeDef { friction, ..shapes[i] }).0
+    });
+    for _ in 0..120 {
+        world.step(&mut Serial);
+    }
+    let way = |i: usize| {
+        let (from, to) = (starts[i].to_f64(), world.position(bodies[i]).expect("alive").to_f64());
+        [to[0] - from[0], to[1] - from[1], to[2] - from[2]]
+    };
+    assert!(world.penetration_max() < 1.0e-3, "{far} m out: {} m deep", world.penetration_max());
+    [way(0), way(1)]
+}
+
+#[test]
+fn a_half_space_goes_on_for_ten_thousand_kilometres() {
+    for tilt in [0.0, 0.25] {
+        let near = on_a_slope(0.0, tilt);
+        assert!(near[0].iter().map(|x| x * x).sum::<f64>() > 0.5, "the ball rolls {near:?}");
+        for far in [64.0, 900.0, 2.0e3, 1.0e5, 1.0e6, 1.0e7, -1.0e7] {
+            let ways = on_a_slope(far, tilt);
+            for (near, far_way) in near.iter().zip(ways) {
+                for axis in 0..3 {
+                    let error = (near[axis] - far_way[axis]).abs();
+                    assert!(error < 2.0e-3, "{tilt}, {far} m out: {error} m, {near:?} {far_way:?}");
+                }
+            }
         }
     }
 }
