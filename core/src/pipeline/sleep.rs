@@ -248,8 +248,8 @@ fn rouse(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut Counts) 
     }
 }
 
-/// Computes frames and boxes of the shapes of bodies that woke, which the broadphase has passed over. They count as far
-/// from the trees' sector: that may be another one by now than when the other shapes were placed.
+/// Computes frames and boxes of the shapes of bodies that woke, which the broadphase has passed over. They count as
+/// far from the trees' sector: that may be another one by now than when the other shapes were placed.
 fn place_woken(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratch: &mut Scratch<'_>) {
     for slot in iterate(state.shape_used, state.header[0].shapes.high) {
         let body = state.shapes[slot as usize].body as usize;

@@ -103,7 +103,7 @@ fn one_world_can_be_in_two_far_places() {
     }
 }
 
-/// A slope around the origin; a ball that rolls down and a box that stays, `far` metres along it. Their ways in 2 s.
+/// A slope around the origin, a ball that rolls and a box that stays, `far` metres along it: their ways in 2 s.
 fn on_a_slope(far: f64, tilt: f32) -> [[f64; 3]; 2] {
     let mut world = world(4);
     let rotation = Rotation::from_rotation_vector(Vec3::new(0.1, tilt, 0.3));
