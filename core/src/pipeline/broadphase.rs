@@ -248,14 +248,16 @@ pub(crate) fn refresh_trees(
     }
 }
 
-/// The sector in which the trees count their coordinates: that of the first shape that moves, or of the first one
-/// where none does. It decides how much boxes are rounded, never which overlap; so it has to be near what moves,
-/// wherever the scene is, and wherever the ground's own middle is.
+/// The sector in which the trees count their coordinates: that of a shape that moves, from the middle of the slots
+/// if there is one, or of the first one where nothing moves. It decides how much boxes are rounded, never which
+/// overlap; so it has to be near what moves, wherever the scene is, and wherever the ground's own middle is.
 pub(crate) fn home_sector(state: &State<'_>) -> [i32; 3] {
     let shapes = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high);
     let body = |slot: u32| state.shapes[slot as usize].body as usize;
-    let mut moving = shapes().filter(|&slot| !state.bodies[body(slot)].rests());
-    let slot = moving.next().or_else(|| shapes().next());
+    let moves = |slot: u32| !state.bodies[body(slot)].rests();
+    let middle = state.header[0].shapes.high / 2;
+    let slot = shapes().find(|&slot| slot >= middle && moves(slot));
+    let slot = slot.or_else(|| shapes().find(|&slot| moves(slot))).or_else(|| shapes().next());
     slot.map_or([0; 3], |slot| state.motions[body(slot)].center.sector)
 }
 
