@@ -338,7 +338,19 @@ typedef struct {
   float hit_speed;
   // 1 for steps that note which bodies moved.
   uint32_t moved_list;
+  // 1 for steps that measure their residuals.
+  uint32_t residual;
 } CsSettings;
+
+// The greatest residual of rows, by kind, m/s.
+typedef struct {
+  // Points of contacts along their normals.
+  float normal;
+  // Friction of contacts.
+  float friction;
+  // Joints.
+  float joint;
+} CsResidual;
 
 // What a step tells.
 typedef struct {
@@ -370,6 +382,9 @@ typedef struct {
   uint32_t events;
   // Events that found no room.
   uint32_t dropped_events;
+  // Residual after the last biased sweep, and after the last sweep of all; 0 unless the settings ask for it.
+  CsResidual biased;
+  CsResidual last;
 } CsReport;
 
 // A place in the world: a sector of 64 m and metres from its middle. A zero sector is around the origin; offsets

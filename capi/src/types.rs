@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Settings,
-    ShapeHandle, StepReport,
+    Residual, ShapeHandle, StepReport,
 };
 
 /// A vector.
@@ -251,6 +251,8 @@ pub struct CsSettings {
     pub hit_speed: f32,
     /// 1 for steps that note which bodies moved.
     pub moved_list: u32,
+    /// 1 for steps that measure their residuals.
+    pub residual: u32,
 }
 
 impl From<Settings> for CsSettings {
@@ -278,6 +280,7 @@ impl From<Settings> for CsSettings {
             events: s.events.0,
             hit_speed: s.hit_speed,
             moved_list: u32::from(s.moved_list),
+            residual: u32::from(s.residual),
         }
     }
 }
@@ -308,13 +311,32 @@ impl CsSettings {
             events: EventKinds(self.events),
             hit_speed: self.hit_speed,
             moved_list: self.moved_list != 0,
+            residual: self.residual != 0,
         })
+    }
+}
+
+/// The greatest residual of rows, by kind, m/s.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CsResidual {
+    /// Points of contacts along their normals.
+    pub normal: f32,
+    /// Friction of contacts.
+    pub friction: f32,
+    /// Joints.
+    pub joint: f32,
+}
+
+impl From<Residual> for CsResidual {
+    fn from(r: Residual) -> Self {
+        Self { normal: r.normal, friction: r.friction, joint: r.joint }
     }
 }
 
 /// What a step tells.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CsReport {
     /// Steps taken so far.
     pub step: u64,
@@ -344,10 +366,14 @@ pub struct CsReport {
     pub events: u32,
     /// Events that found no room.
     pub dropped_events: u32,
+    /// Residual after the last biased sweep, and after the last sweep of all; 0 unless the settings ask for it.
+    pub biased: CsResidual,
+    pub last: CsResidual,
 }
 
 impl From<StepReport> for CsReport {
     fn from(r: StepReport) -> Self {
+        let residuals = r.residuals.unwrap_or_default();
         Self {
             step: r.step,
             bodies: r.bodies,
@@ -363,6 +389,8 @@ impl From<StepReport> for CsReport {
             broken: r.broken,
             events: r.events,
             dropped_events: r.dropped_events,
+            biased: residuals.biased.into(),
+            last: residuals.last.into(),
         }
     }
 }

@@ -102,6 +102,10 @@ pub struct Settings {
     pub hit_speed: f32,
     /// Whether steps note which bodies moved: see [`World::moved_bodies`](crate::World::moved_bodies).
     pub moved_list: bool,
+    /// Whether steps measure how far their solve is from the answer: see
+    /// [`StepReport::residuals`](crate::StepReport::residuals). Costs up to two sweeps for each step; changes no bit
+    /// of the motion.
+    pub residual: bool,
 }
 
 /// How a contact removes overlap.
@@ -140,6 +144,7 @@ impl Default for Settings {
             events: EventKinds::ALL,
             hit_speed: HIT_SPEED,
             moved_list: false,
+            residual: false,
         }
     }
 }
@@ -182,6 +187,8 @@ impl Settings {
 
 /// Bit of the modes: bodies are not stopped on their way.
 const NOT_CONTINUOUS: u32 = 1 << 8;
+/// Bit of the modes: residuals are measured.
+const RESIDUAL: u32 = 1 << 9;
 
 /// [`Settings`] as bytes of the state.
 #[repr(C)]
@@ -193,7 +200,7 @@ pub(crate) struct SettingsRow {
     sweeps: u32,
     relax_sweeps: u32,
     inner_sweeps: u32,
-    /// The contact model, and [`NOT_CONTINUOUS`].
+    /// The contact model, [`NOT_CONTINUOUS`] and [`RESIDUAL`].
     modes: u32,
     contact_frequency: f32,
     contact_damping_ratio: f32,
@@ -239,7 +246,9 @@ impl From<&Settings> for SettingsRow {
             sweeps: s.sweeps,
             relax_sweeps: s.relax_sweeps,
             inner_sweeps: s.inner_sweeps,
-            modes: s.contact_model as u32 | if s.continuous { 0 } else { NOT_CONTINUOUS },
+            modes: s.contact_model as u32
+                | if s.continuous { 0 } else { NOT_CONTINUOUS }
+                | if s.residual { RESIDUAL } else { 0 },
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
             push_speed: s.push_speed,
@@ -267,7 +276,7 @@ impl SettingsRow {
 
     /// The settings; `None` when the row was not made by [`SettingsRow::from`].
     pub(crate) fn read(&self) -> Option<Settings> {
-        let contact_model = match self.modes & !NOT_CONTINUOUS {
+        let contact_model = match self.modes & !(NOT_CONTINUOUS | RESIDUAL) {
             0 => ContactModel::Soft,
             1 => ContactModel::Rigid,
             2 => ContactModel::Split,
@@ -295,6 +304,7 @@ impl SettingsRow {
             events: EventKinds(self.events),
             hit_speed: self.hit_speed,
             moved_list: self.moved_list != 0,
+            residual: self.modes & RESIDUAL != 0,
         };
         settings.check().is_ok().then_some(settings)
     }

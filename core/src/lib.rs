@@ -55,7 +55,7 @@ pub use query::{
     BodyKinds, ClosestPoint, Found, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region,
     ShapeCast,
 };
-pub use report::StepReport;
+pub use report::{Residual, Residuals, StepReport};
 pub use shape::{Filter, Geometry, ShapeDef};
 pub use state::{Field, FieldKind, Surface};
 pub use world::{

@@ -22,6 +22,7 @@ pub(crate) mod mover;
 pub(crate) mod narrowphase;
 pub(crate) mod ordering;
 pub(crate) mod query_trees;
+pub(crate) mod residual;
 pub(crate) mod rows;
 pub(crate) mod rules;
 pub(crate) mod seat;
@@ -36,9 +37,9 @@ use crate::collide::Solid;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
 use crate::math::Vec3;
-use crate::observe::{Observer, StageView};
+use crate::observe::{Observer, Rows as ObservedRows, StageView};
 use crate::pool;
-use crate::report::StepReport;
+use crate::report::{Residuals, StepReport};
 use crate::shape::{
     GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER, GEOMETRY_HALF_SPACE,
     GEOMETRY_HEIGHT_FIELD, GEOMETRY_HULL, GEOMETRY_MESH, GEOMETRY_ROUNDED_HULL, ShapeRow,
@@ -124,10 +125,12 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     crew.executor.enter(Stage::Assembly);
     assembly::prepare_bodies(state, scratch, (settings, links.bodies), &mut crew);
     assembly::fill(state, (cache, scratch), (settings, &plan), &mut crew);
-    observer.after(Stage::Assembly, &StageView::with_rows(state, scratch, &plan));
+    let seen = ObservedRows { scratch, cache, plan: &plan, bodies: links.bodies };
+    observer.after(Stage::Assembly, &StageView::with_rows(state, seen));
     crew.executor.enter(Stage::Solve);
-    solve((cache, scratch), &plan, settings, &mut crew);
-    observer.after(Stage::Solve, &StageView::with_rows(state, scratch, &plan));
+    let residuals = solve((cache, scratch), &plan, settings, &mut crew);
+    let seen = ObservedRows { scratch, cache, plan: &plan, bodies: links.bodies };
+    observer.after(Stage::Solve, &StageView::with_rows(state, seen));
     crew.executor.enter(Stage::Finish);
     events::hits(state, (cache, scratch), (&plan, settings), &mut counts);
     let joints = (&plan, links.held(), settings.substep());
@@ -142,7 +145,8 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     }
     observer.after(Stage::Finish, &StageView::new(state));
     crew.executor.leave();
-    report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers))
+    let report = report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers));
+    StepReport { residuals, ..report }
 }
 
 /// Sweeps over the rows.
@@ -151,7 +155,7 @@ fn solve<E: Executor>(
     plan: &Plan,
     settings: &Settings,
     crew: &mut Crew<'_, E>,
-) {
+) -> Option<Residuals> {
     let mut rows = solver::Rows {
         plan,
         groups: &cache.groups[..plan.groups],
@@ -171,7 +175,7 @@ fn solve<E: Executor>(
         sources: cache.seat_sources,
         movers: scratch.movers,
     };
-    solver::solve(&mut rows, settings, crew);
+    solver::solve(&mut rows, settings, crew)
 }
 
 /// Lists the bodies that take part in the solve, and the links between them.
@@ -219,6 +223,7 @@ fn report(
         dropped_events: counts.dropped_events,
         visits: header.visits,
         dropped_visits: counts.dropped_visits,
+        residuals: None,
     }
 }
 

@@ -121,6 +121,7 @@ fn full() -> Scene {
             sleep_time: Some(0.5),
             sleep_speed: Some(0.02),
             continuous: Some(false),
+            residual: Some(true),
         },
         capacities: CapacitiesDoc {
             bodies: Some(9),

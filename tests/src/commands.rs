@@ -286,6 +286,7 @@ impl Any<'_> {
             events: EventKinds(self.0.below(70) as u32),
             hit_speed: self.number(),
             moved_list: self.flag(),
+            residual: self.flag(),
         }
     }
 }

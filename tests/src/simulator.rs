@@ -382,6 +382,7 @@ impl Simulator {
             sleep_speed: self.random.between(0.02, 0.3),
             hit_speed: self.random.between(0.0, 3.0),
             moved_list: self.random.below(4) > 0,
+            residual: settings.substeps % 2 == 0,
             ..settings
         }
     }

@@ -15,8 +15,10 @@ use crate::lanes::LANES;
 use crate::pipeline::articulations::Patterns;
 use crate::pipeline::layout::{Group, Plan};
 use crate::pipeline::mover::MoverRow;
+use crate::pipeline::residual::measure;
 use crate::pipeline::seat::{OtherSeats, Seat};
 use crate::pipeline::tasks::{Crew, Tasks, push};
+use crate::report::Residuals;
 
 /// Rows and seats of a step, in solver order.
 pub(crate) struct Rows<'a> {
@@ -101,16 +103,16 @@ enum Motion {
 }
 
 /// A group at work.
-struct Task<'a> {
-    seats: &'a mut [Seat],
-    sources: &'a [u32],
+pub(crate) struct Task<'a> {
+    pub seats: &'a mut [Seat],
+    pub sources: &'a [u32],
     /// Empty after phase 0.
     movers: &'a mut [MoverRow],
-    joints: JointRows<'a>,
+    pub joints: JointRows<'a>,
     patterns: Patterns<'a>,
-    links: &'a mut [LinkRow],
-    points: &'a mut [PointRow],
-    resists: &'a mut [ResistRow],
+    pub links: &'a mut [LinkRow],
+    pub points: &'a mut [PointRow],
+    pub resists: &'a mut [ResistRow],
 }
 
 /// How contacts are biased.
@@ -118,8 +120,12 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
     Bias { rate: 1.0 / settings.substep(), push_speed: settings.push_speed }
 }
 
-/// Solves and integrates the step.
-pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
+/// Solves and integrates the step. Returns what the last substep left, where that is asked for.
+pub(crate) fn solve<E: Executor>(
+    rows: &mut Rows<'_>,
+    settings: &Settings,
+    crew: &mut Crew<'_, E>,
+) -> Option<Residuals> {
     let substep = settings.substep();
     let splits = settings.contact_model == ContactModel::Split;
     let nudges = rows.plan.joints > 0 || splits;
@@ -137,11 +143,16 @@ pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew:
     // The last sweep of a substep is plain.
     let visits = |is_last: bool| if is_last { 1 } else { settings.inner_sweeps };
     run_sweep(rows, &sweep(Pass::Warm, 1), Motion::PushFirst, crew);
+    let mut residuals = settings.residual.then(Residuals::default);
     for index in 0..settings.substeps {
+        let asks = residuals.as_mut().filter(|_| index + 1 == settings.substeps);
         let first = if index == 0 { Motion::None } else { Motion::PushAgain };
         for k in 0..sweeps {
             let biased = sweep(Pass::Biased, visits(relax_sweeps == 0 && k + 1 == sweeps));
             run_sweep(rows, &biased, if k == 0 { first } else { Motion::None }, crew);
+        }
+        if let Some(residuals) = asks {
+            residuals.biased = measure(rows, &sweep(Pass::Biased, 1), crew);
         }
         let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
         run_sweep(rows, &sweep(pass, visits(relax_sweeps <= 1)), Motion::Advance, crew);
@@ -149,9 +160,16 @@ pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew:
             run_sweep(rows, &sweep(Pass::RelaxAgain, visits(k + 1 == relax_sweeps)), Motion::None, crew);
         }
     }
+    if let Some(residuals) = &mut residuals {
+        residuals.last = match relax_sweeps {
+            0 => residuals.biased,
+            _ => measure(rows, &sweep(Pass::RelaxAgain, 1), crew),
+        };
+    }
     if rows.groups.iter().any(|group| group.bounces != 0) {
         run_sweep(rows, &sweep(Pass::Bounce, 1), Motion::None, crew);
     }
+    residuals
 }
 
 fn run_sweep<E: Executor>(rows: &mut Rows<'_>, sweep: &Sweep, motion: Motion, crew: &mut Crew<'_, E>) {
@@ -166,6 +184,18 @@ fn run_phase<E: Executor>(
     motion: Motion,
     (index, crew): (usize, &mut Crew<'_, E>),
 ) {
+    let mut tasks = Tasks::new();
+    let others = cut_phase(rows, index, &mut tasks);
+    crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
+}
+
+/// Writes the tasks of a phase; returns the seats of the others.
+#[inline(always)]
+pub(crate) fn cut_phase<'r>(
+    rows: &'r mut Rows<'_>,
+    index: usize,
+    tasks: &mut Tasks<Task<'r>>,
+) -> OtherSeats<'r> {
     let phase = rows.plan.phases[index];
     let (first, end) = (phase.first_seat as usize, (phase.first_seat + phase.seats) as usize);
     let (before, rest) = rows.seats[..rows.plan.seats].split_at_mut(first);
@@ -176,9 +206,8 @@ fn run_phase<E: Executor>(
     let links = (&mut *rows.links, &mut *rows.resists);
     let parts =
         ((own, &rows.sources[first..end], movers), (links, &mut *rows.points, rows.joints.reborrow()));
-    let mut tasks = Tasks::new();
-    cut((groups, rows.patterns), parts, &mut tasks);
-    crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
+    cut((groups, rows.patterns), parts, tasks);
+    others
 }
 
 /// Rows of links and of their resistances.

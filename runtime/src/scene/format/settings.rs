@@ -49,6 +49,9 @@ pub struct SettingsDoc {
     /// Whether fast bodies are stopped at what they would pass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub continuous: Option<bool>,
+    /// Whether steps measure how far their solve is from the answer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual: Option<bool>,
 }
 
 /// How a contact removes overlap.
@@ -90,6 +93,7 @@ impl SettingsDoc {
         set(&mut settings.sleep_time, self.sleep_time);
         set(&mut settings.sleep_speed, self.sleep_speed);
         set(&mut settings.continuous, self.continuous);
+        set(&mut settings.residual, self.residual);
     }
 }
 

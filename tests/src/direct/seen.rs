@@ -1,0 +1,260 @@
+//! The rows of one step, and the problem that they are.
+
+use super::Bounded;
+use crate::worlds::OwnedWorld;
+use cellstep::observe::{ProblemBody, ProblemKind, ProblemRow};
+use cellstep::{Observer, Serial, Stage, StageView, StepReport};
+
+/// Impulses from which on a bound is none, N s.
+const NO_BOUND: f32 = 1.0e20;
+/// Share of a row's own entry that is added to it, so that rows that depend on each other have an answer: it
+/// changes that by no more than this share.
+const DIAGONAL: f64 = 1.0e-11;
+/// Repetitions for loads and directions of friction.
+const REPEATS: usize = 2_000;
+
+/// What a step of one substep without relax sweeps showed.
+#[derive(Default)]
+pub struct Seen {
+    /// Bodies that were solved.
+    pub bodies: Vec<ProblemBody>,
+    /// Rows as they were solved, with the impulses that came out.
+    pub rows: Vec<ProblemRow>,
+    /// What the step told.
+    pub report: StepReport,
+}
+
+impl Observer for Seen {
+    fn after(&mut self, stage: Stage, view: &StageView<'_, '_>) {
+        match stage {
+            Stage::Assembly => {
+                self.bodies = view.bodies().collect();
+                self.rows.clear();
+                view.each_row(|row| self.rows.push(row));
+            }
+            Stage::Solve => {
+                let mut index = 0;
+                view.each_row(|after| {
+                    let row = &mut self.rows[index];
+                    assert_eq!((row.link, row.bodies), (after.link, after.bodies), "the rows keep their order");
+                    row.impulse = after.impulse;
+                    if let ProblemKind::Bound { .. } = row.kind {
+                        row.kind = after.kind;
+                    }
+                    index += 1;
+                });
+            }
+            _ => {}
+        }
+    }
+}
+
+/// An answer for the rows of a step: impulses by row.
+pub type Answer = Vec<f64>;
+
+/// Loads and directions of friction by link.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Friction {
+    load: f64,
+    /// Cosine and sine of the direction from the first tangent.
+    direction: [f64; 2],
+}
+
+impl Seen {
+    /// Steps a world.
+    pub fn step(world: &mut OwnedWorld) -> Self {
+        let mut seen = Self::default();
+        let report = world.step_observed(&mut Serial, &mut seen);
+        seen.report = report;
+        seen
+    }
+
+    /// The solver's impulses.
+    pub fn ours(&self) -> Answer {
+        self.rows.iter().map(|row| row.impulse.into()).collect()
+    }
+
+    /// Velocities of the bodies after these impulses: linear, then whitened angular.
+    pub fn velocities(&self, answer: &[f64]) -> Vec<[f64; 6]> {
+        let mut u: Vec<[f64; 6]> = self.bodies.iter().map(|body| body.velocity.map(f64::from)).collect();
+        for (row, x) in self.rows.iter().zip(answer) {
+            for (end, body) in row.bodies.iter().enumerate() {
+                if let Some(body) = body {
+                    let masses = inverse_masses(&self.bodies[*body as usize]);
+                    for (k, u) in u[*body as usize].iter_mut().enumerate() {
+                        *u += masses[k] * f64::from(row.jacobian[end][k]) * x;
+                    }
+                }
+            }
+        }
+        u
+    }
+
+    /// Sum of the normal impulses of a link.
+    pub fn load(&self, answer: &[f64], link: u32) -> f64 {
+        let normals = self.rows.iter().zip(answer);
+        normals.filter(|(row, _)| is_normal(row) && row.link == link).map(|(_, x)| x).sum()
+    }
+
+    /// The answer by the direct method. The loads that bound friction, and the direction in which a disc of friction
+    /// acts, are those of the repetition before, until they stay.
+    ///
+    /// # Panics
+    /// When they do not.
+    pub fn solve(&self) -> Answer {
+        let links = self.rows.iter().map(|row| row.link as usize + 1).max().unwrap_or(0);
+        let start = Friction { load: 0.0, direction: [1.0, 0.0] };
+        let mut frictions = vec![start; links];
+        for _ in 0..REPEATS {
+            let answer = self.solve_once(&frictions);
+            let next = self.frictions(&answer, &frictions);
+            let scale = next.iter().fold(f64::MIN_POSITIVE, |most, friction| most.max(friction.load));
+            let moved = frictions.iter().zip(&next).fold(0.0_f64, |most, (old, new)| {
+                let [x, y] = old.direction;
+                let turned = x * new.direction[1] - y * new.direction[0];
+                most.max((old.load - new.load).abs() / scale).max(turned.abs())
+            });
+            if moved < 1.0e-10 {
+                return answer;
+            }
+            frictions = next;
+        }
+        panic!("friction finds no rest");
+    }
+
+    /// Bounds of friction from an answer.
+    fn frictions(&self, answer: &[f64], before: &[Friction]) -> Vec<Friction> {
+        let mut frictions = before.to_vec();
+        let links = frictions.iter_mut().enumerate();
+        links.for_each(|(link, friction)| friction.load = self.load(answer, link as u32));
+        let tangents = self.rows.iter().zip(answer).enumerate();
+        for (i, (row, &x)) in tangents.filter(|(_, (row, _))| is_first_tangent(row)) {
+            if let Some(&y) = answer.get(i + 1).filter(|_| starts_pair(&self.rows, i)) {
+                let size = x.hypot(y);
+                if size > 0.0 {
+                    frictions[row.link as usize].direction = [x / size, y / size];
+                }
+            }
+        }
+        frictions
+    }
+
+    /// The answer for given loads and directions: a box along the direction takes the place of the disc.
+    fn solve_once(&self, frictions: &[Friction]) -> Answer {
+        let (mut rows, mut low, mut high, mut rates) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        // For each row of ours, those that it is a sum of, with factors.
+        let mut parts: Vec<Vec<(usize, f64)>> = Vec::new();
+        let mut i = 0;
+        while i < self.rows.len() {
+            let row = &self.rows[i];
+            let load = frictions[row.link as usize].load.max(0.0);
+            let mut add = |jacobian, bias: f64, bounds: [f64; 2]| {
+                rows.push(Wide { jacobian, bodies: row.bodies, soft: row.soft.into() });
+                rates.push(bias);
+                low.push(bounds[0]);
+                high.push(bounds[1]);
+                rows.len() - 1
+            };
+            let own = row.jacobian.map(|end| end.map(f64::from));
+            let bias = f64::from(row.bias);
+            match row.kind {
+                ProblemKind::Normal => parts.push(vec![(add(own, bias, [0.0, f64::INFINITY]), 1.0)]),
+                ProblemKind::Hold => parts.push(vec![(add(own, bias, [f64::NEG_INFINITY, f64::INFINITY]), 1.0)]),
+                ProblemKind::Twist { friction, radius } => {
+                    let most = f64::from(friction) * f64::from(radius) * load;
+                    parts.push(vec![(add(own, bias, [-most, most]), 1.0)]);
+                }
+                ProblemKind::Tangent { friction } => {
+                    let most = f64::from(friction) * load;
+                    let other = &self.rows[i + 1];
+                    let second = other.jacobian.map(|end| end.map(f64::from));
+                    let [c, s] = frictions[row.link as usize].direction;
+                    let mix = |x: f64, y: f64| {
+                        let entry = |end: usize, k: usize| x * own[end][k] + y * second[end][k];
+                        [0, 1].map(|end| core::array::from_fn(|k| entry(end, k)))
+                    };
+                    let slip = f64::from(other.bias);
+                    let along = add(mix(c, s), c * bias + s * slip, [-most, most]);
+                    let across = add(mix(-s, c), c * slip - s * bias, [-most, most]);
+                    parts.push(vec![(along, c), (across, -s)]);
+                    parts.push(vec![(along, s), (across, c)]);
+                    i += 1;
+                }
+                ProblemKind::Bound { least, greatest, most } => {
+                    let most = if most < NO_BOUND { f64::from(most) } else { f64::INFINITY };
+                    let [least, greatest] = [least, greatest].map(f64::from);
+                    if least == greatest {
+                        parts.push(vec![(add(own, bias - least, [-most, most]), 1.0)]);
+                    } else {
+                        let lower = add(own, bias - least, [0.0, most]);
+                        let upper = add(own, bias - greatest, [-most, 0.0]);
+                        parts.push(vec![(lower, 1.0), (upper, 1.0)]);
+                    }
+                }
+            }
+            i += 1;
+        }
+        let matrix = self.matrix(&rows);
+        let rates = rows.iter().zip(rates).map(|(row, bias)| bias + self.rate(row)).collect();
+        let x = Bounded { matrix, rates, low, high }.solve();
+        parts.iter().map(|parts| parts.iter().map(|&(row, factor)| factor * x[row]).sum()).collect()
+    }
+
+    /// `J u0`.
+    fn rate(&self, row: &Wide) -> f64 {
+        let ends = row.bodies.iter().zip(&row.jacobian);
+        let end = |(body, jacobian): (&Option<u32>, &[f64; 6])| {
+            let velocity = body.map(|body| self.bodies[body as usize].velocity)?;
+            Some(velocity.iter().zip(jacobian).map(|(&u, j)| f64::from(u) * j).sum::<f64>())
+        };
+        ends.filter_map(end).sum()
+    }
+
+    /// `J M^-1 Jt + soft`.
+    fn matrix(&self, rows: &[Wide]) -> Vec<Vec<f64>> {
+        let entry = |a: &Wide, b: &Wide| {
+            let mut sum = 0.0;
+            for (own, jacobian) in a.bodies.iter().zip(&a.jacobian) {
+                for (other, with) in b.bodies.iter().zip(&b.jacobian) {
+                    if let (Some(body), true) = (own, own == other) {
+                        let masses = inverse_masses(&self.bodies[*body as usize]);
+                        sum += (0..6).map(|k| masses[k] * jacobian[k] * with[k]).sum::<f64>();
+                    }
+                }
+            }
+            sum
+        };
+        let mut matrix: Vec<Vec<f64>> =
+            rows.iter().map(|a| rows.iter().map(|b| entry(a, b)).collect()).collect();
+        for (i, row) in rows.iter().enumerate() {
+            matrix[i][i] += row.soft + DIAGONAL * matrix[i][i];
+        }
+        matrix
+    }
+}
+
+/// A row in double precision.
+struct Wide {
+    jacobian: [[f64; 6]; 2],
+    bodies: [Option<u32>; 2],
+    soft: f64,
+}
+
+fn inverse_masses(body: &ProblemBody) -> [f64; 6] {
+    let m = f64::from(body.inverse_mass);
+    [m, m, m, 1.0, 1.0, 1.0]
+}
+
+fn is_normal(row: &ProblemRow) -> bool {
+    row.kind == ProblemKind::Normal
+}
+
+fn is_first_tangent(row: &ProblemRow) -> bool {
+    matches!(row.kind, ProblemKind::Tangent { .. })
+}
+
+/// True when the row at `i` is the first of its link's tangents.
+fn starts_pair(rows: &[ProblemRow], i: usize) -> bool {
+    let next = rows.get(i + 1);
+    next.is_some_and(|next| is_first_tangent(next) && next.link == rows[i].link)
+}

@@ -1,0 +1,129 @@
+//! The answer of the sweeps against a direct method, on the solver's own rows.
+//!
+//! A and b of the talk (SEED S7) are formed from the rows of a step after assembly, in double precision. Dantzig's
+//! method solves them exactly for given bounds; those of friction follow from the loads, and the disc from the
+//! direction in which friction acts, so both are found by repetition. After enough sweeps ours is to be the same.
+
+use cellstep::joint::axis::{TURN_X, X};
+use cellstep::math::{Pose, Rotation, Vec3};
+use cellstep::{
+    Axis, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Drive, Geometry, JointDef, Settings,
+    ShapeDef,
+};
+use cellstep_tests::direct::Seen;
+use cellstep_tests::executors::Random;
+use cellstep_tests::worlds::{OwnedWorld, add, ground, world_with};
+
+/// Greatest difference, as a share of the greatest impulse or velocity: rounding.
+const EXACT: f64 = 1.0e-5;
+
+/// Many sweeps of one substep, and no relax sweeps: the rows of the first sweep are those of the last.
+fn patient() -> Settings {
+    Settings {
+        contact_model: ContactModel::Rigid,
+        substeps: 1,
+        sweeps: 1024,
+        inner_sweeps: 16,
+        relax_sweeps: 0,
+        restitution_threshold: 1.0e4,
+        residual: true,
+        ..Settings::default()
+    }
+}
+
+fn scene(bodies: u32) -> OwnedWorld {
+    let mut world = world_with(Capacities { joints: 32, ..Capacities::for_bodies(bodies + 1) });
+    world.set_settings(&patient()).expect("in range");
+    world
+}
+
+fn body(world: &mut OwnedWorld, place: Vec3, geometry: Geometry, friction: f32) -> BodyHandle {
+    let shape = ShapeDef { friction, ..ShapeDef::new(geometry) };
+    add(world, &BodyDef::new(BodyKind::Dynamic, place), &shape).0
+}
+
+/// Compares one step; `unique` when the rows do not depend on each other, so that each impulse counts.
+fn compare(name: &str, world: &mut OwnedWorld, unique: bool) {
+    let seen = Seen::step(world);
+    assert!(!seen.rows.is_empty(), "{name}: rows");
+    let (ours, exact) = (seen.ours(), seen.solve());
+    let size = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
+    let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    let impulses = difference(&ours, &exact) / size(&exact);
+    let [own, other] = [&ours, &exact].map(|answer| seen.velocities(answer).concat());
+    let start = seen.velocities(&vec![0.0; ours.len()]).concat();
+    let velocities = difference(&own, &other) / size(&start).max(size(&other));
+    let loads = |answer: &[f64]| -> Vec<f64> {
+        let links = seen.rows.iter().map(|row| row.link).max().unwrap_or(0);
+        (0..=links).map(|link| seen.load(answer, link)).collect()
+    };
+    let load = difference(&loads(&ours), &loads(&exact)) / size(&exact);
+    let residual = seen.report.residuals.expect("asked for").biased.greatest();
+    println!(
+        "{name}: {} rows, impulses {impulses:.1e}, loads {load:.1e}, velocities {velocities:.1e}, residual {residual:.1e} m/s",
+        ours.len()
+    );
+    assert!(velocities < EXACT && load < EXACT, "{name}: velocities {velocities}, loads {load}");
+    assert!(!unique || impulses < EXACT, "{name}: impulses {impulses}");
+    assert!(f64::from(residual) < EXACT * size(&start), "{name}: residual {residual}");
+}
+
+/// Balls heaped on each other, some pressed in a little.
+fn heap(friction: f32) -> OwnedWorld {
+    let mut world = scene(24);
+    ground(&mut world, friction);
+    let mut random = Random::new(3);
+    for layer in 0..3 {
+        for i in 0..(3 - layer) * (3 - layer) {
+            let (x, y) = ((i % (3 - layer)) as f32, (i / (3 - layer)) as f32);
+            let at = |k: f32| 0.99 * k + 0.5 * layer as f32;
+            let jitter = Vec3::new(random.between(-0.01, 0.01), random.between(-0.01, 0.01), 0.0);
+            let place = Vec3::new(at(x), at(y), 0.499 + 0.7 * layer as f32) + jitter;
+            let ball = body(&mut world, place, Geometry::Sphere { radius: 0.5 }, friction);
+            let push = Vec3::new(random.between(-0.3, 0.3), random.between(-0.3, 0.3), -0.1);
+            world.set_linear_velocity(ball, push).expect("dynamic");
+        }
+    }
+    world
+}
+
+/// Boxes on each other, shifted, some of them pushed.
+fn boxes(friction: f32) -> OwnedWorld {
+    let mut world = scene(8);
+    ground(&mut world, friction);
+    let cube = Geometry::Box { half_extents: Vec3::splat(0.5) };
+    for i in 0..3 {
+        let place = Vec3::new(0.1 * i as f32, 0.07 * i as f32, 0.5 + 0.999 * i as f32);
+        let handle = body(&mut world, place, cube, friction);
+        let push = Vec3::new(0.4 * i as f32, 0.1, 0.0);
+        world.set_linear_velocity(handle, push).expect("dynamic");
+        world.set_angular_velocity(handle, Vec3::Z * (0.3 * i as f32)).expect("dynamic");
+    }
+    world
+}
+
+#[test]
+fn frictionless_contacts_are_solved() {
+    let mut world = heap(0.0);
+    for _ in 0..3 {
+        compare("balls", &mut world, true);
+    }
+    let mut world = boxes(0.0);
+    for _ in 0..3 {
+        compare("boxes", &mut world, false);
+    }
+}
+
+#[test]
+fn friction_is_solved() {
+    for friction in [0.2, 0.8] {
+        let mut world = heap(friction);
+        for _ in 0..3 {
+            compare("rough balls", &mut world, false);
+        }
+        let mut world = boxes(friction);
+        for _ in 0..3 {
+            compare("rough boxes", &mut world, false);
+        }
+    }
+}
