@@ -13,6 +13,8 @@ pub mod command;
 pub mod config;
 pub mod debug;
 pub mod executor;
+#[doc(hidden)]
+pub mod kernel;
 pub mod math;
 pub mod observe;
 

@@ -10,9 +10,6 @@ const NO_BOUND: f32 = 1.0e20;
 /// Share of a row's own entry that is added to it, so that rows that depend on each other have an answer: it
 /// changes that by no more than this share.
 const DIAGONAL: f64 = 1.0e-11;
-/// Repetitions for loads and directions of friction.
-const REPEATS: usize = 2_000;
-
 /// What a step of one substep without relax sweeps showed.
 #[derive(Default)]
 pub struct Seen {
@@ -96,47 +93,22 @@ impl Seen {
         normals.filter(|(row, _)| is_normal(row) && row.link == link).map(|(_, x)| x).sum()
     }
 
-    /// The answer by the direct method. The loads that bound friction, and the direction in which a disc of friction
-    /// acts, are those of the repetition before, until they stay.
-    ///
-    /// # Panics
-    /// When they do not.
+    /// The answer by the direct method, for the bounds that the loads of ours give, and with a box along the
+    /// direction of our friction in the place of the disc. Where ours is the answer, so is this: friction that
+    /// slides lies along an axis of its box, and friction that holds is within.
     pub fn solve(&self) -> Answer {
+        let ours = self.ours();
         let links = self.rows.iter().map(|row| row.link as usize + 1).max().unwrap_or(0);
-        let start = Friction { load: 0.0, direction: [1.0, 0.0] };
-        let mut frictions = vec![start; links];
-        for _ in 0..REPEATS {
-            let answer = self.solve_once(&frictions);
-            let next = self.frictions(&answer, &frictions);
-            let scale = next.iter().fold(f64::MIN_POSITIVE, |most, friction| most.max(friction.load));
-            let moved = frictions.iter().zip(&next).fold(0.0_f64, |most, (old, new)| {
-                let [x, y] = old.direction;
-                let turned = x * new.direction[1] - y * new.direction[0];
-                most.max((old.load - new.load).abs() / scale).max(turned.abs())
-            });
-            if moved < 1.0e-10 {
-                return answer;
-            }
-            frictions = next;
-        }
-        panic!("friction finds no rest");
-    }
-
-    /// Bounds of friction from an answer.
-    fn frictions(&self, answer: &[f64], before: &[Friction]) -> Vec<Friction> {
-        let mut frictions = before.to_vec();
-        let links = frictions.iter_mut().enumerate();
-        links.for_each(|(link, friction)| friction.load = self.load(answer, link as u32));
-        let tangents = self.rows.iter().zip(answer).enumerate();
-        for (i, (row, &x)) in tangents.filter(|(_, (row, _))| is_first_tangent(row)) {
-            if let Some(&y) = answer.get(i + 1).filter(|_| starts_pair(&self.rows, i)) {
-                let size = x.hypot(y);
-                if size > 0.0 {
-                    frictions[row.link as usize].direction = [x / size, y / size];
-                }
+        let mut frictions: Vec<Friction> = (0..links)
+            .map(|link| Friction { load: self.load(&ours, link as u32), direction: [1.0, 0.0] })
+            .collect();
+        for i in (0..self.rows.len()).filter(|&i| starts_pair(&self.rows, i)) {
+            let size = ours[i].hypot(ours[i + 1]);
+            if size > 0.0 {
+                frictions[self.rows[i].link as usize].direction = [ours[i] / size, ours[i + 1] / size];
             }
         }
-        frictions
+        self.solve_once(&frictions)
     }
 
     /// The answer for given loads and directions: a box along the direction takes the place of the disc.
@@ -249,12 +221,12 @@ fn is_normal(row: &ProblemRow) -> bool {
     row.kind == ProblemKind::Normal
 }
 
-fn is_first_tangent(row: &ProblemRow) -> bool {
+fn is_tangent(row: &ProblemRow) -> bool {
     matches!(row.kind, ProblemKind::Tangent { .. })
 }
 
 /// True when the row at `i` is the first of its link's tangents.
 fn starts_pair(rows: &[ProblemRow], i: usize) -> bool {
     let next = rows.get(i + 1);
-    next.is_some_and(|next| is_first_tangent(next) && next.link == rows[i].link)
+    is_tangent(&rows[i]) && next.is_some_and(|next| is_tangent(next) && next.link == rows[i].link)
 }
