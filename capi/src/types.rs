@@ -4,8 +4,8 @@ use crate::error::Failure;
 use bytemuck::{Pod, Zeroable};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Settings,
-    Residual, ShapeHandle, StepReport,
+    BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Residual,
+    Settings, ShapeHandle, StepReport,
 };
 
 /// A vector.
@@ -221,8 +221,12 @@ pub struct CsSettings {
     pub gravity: CsVec3,
     /// 1..=256.
     pub substeps: u32,
-    /// Sweeps with position correction per substep, 1..=1024.
+    /// Sweeps with position correction per substep, 1..=1024. With a tolerance the least number.
     pub sweeps: u32,
+    /// Residual at which the sweeps of a substep end, m/s; 0 for as many as `sweeps` says.
+    pub tolerance: f32,
+    /// Most sweeps where there is a tolerance, 1..=1024.
+    pub sweeps_max: u32,
     /// Sweeps without, 0..=1024.
     pub relax_sweeps: u32,
     /// Visits of each block in a sweep, 1..=64.
@@ -235,6 +239,12 @@ pub struct CsSettings {
     pub contact_damping_ratio: f32,
     /// Fastest push-out of overlap, m/s.
     pub push_speed: f32,
+    /// How many times the substeps small islands under great load get, 1..=64; 1 for no island.
+    pub refine: u32,
+    /// Most dynamic bodies of such an island, 0..=65535.
+    pub refine_bodies: u32,
+    /// Sink of a soft contact from which on its island is refined, metres.
+    pub refine_sink: f32,
     /// Approach speed below which nothing bounces, m/s.
     pub restitution_threshold: f32,
     /// Target number of links of a block, 8..=4096.
@@ -262,6 +272,8 @@ impl From<Settings> for CsSettings {
             gravity: s.gravity.into(),
             substeps: s.substeps,
             sweeps: s.sweeps,
+            tolerance: s.tolerance,
+            sweeps_max: s.sweeps_max,
             relax_sweeps: s.relax_sweeps,
             inner_sweeps: s.inner_sweeps,
             contact_model: match s.contact_model {
@@ -272,6 +284,9 @@ impl From<Settings> for CsSettings {
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
             push_speed: s.push_speed,
+            refine: s.refine,
+            refine_bodies: s.refine_bodies,
+            refine_sink: s.refine_sink,
             restitution_threshold: s.restitution_threshold,
             block_links: s.block_links,
             sleep_time: s.sleep_time,
@@ -292,6 +307,8 @@ impl CsSettings {
             gravity: self.gravity.into(),
             substeps: self.substeps,
             sweeps: self.sweeps,
+            tolerance: self.tolerance,
+            sweeps_max: self.sweeps_max,
             relax_sweeps: self.relax_sweeps,
             inner_sweeps: self.inner_sweeps,
             contact_model: match self.contact_model {
@@ -303,6 +320,9 @@ impl CsSettings {
             contact_frequency: self.contact_frequency,
             contact_damping_ratio: self.contact_damping_ratio,
             push_speed: self.push_speed,
+            refine: self.refine,
+            refine_bodies: self.refine_bodies,
+            refine_sink: self.refine_sink,
             restitution_threshold: self.restitution_threshold,
             block_links: self.block_links,
             sleep_time: self.sleep_time,
@@ -344,6 +364,8 @@ pub struct CsReport {
     pub bodies: u32,
     /// Bodies that were solved.
     pub active: u32,
+    /// Of these, bodies that were refined.
+    pub refined: u32,
     /// Bodies that sleep.
     pub asleep: u32,
     /// Pairs of shapes whose boxes overlap.
@@ -366,8 +388,13 @@ pub struct CsReport {
     pub events: u32,
     /// Events that found no room.
     pub dropped_events: u32,
-    /// Residual after the last biased sweep, and after the last sweep of all; 0 unless the settings ask for it.
+    /// Biased sweeps of all substeps.
+    pub sweeps: u32,
+    /// Substeps that ended with more than the tolerance.
+    pub unsettled: u32,
+    /// Residual after the last biased sweep; 0 unless the settings ask for it.
     pub biased: CsResidual,
+    /// Residual after the last sweep of all.
     pub last: CsResidual,
 }
 
@@ -378,6 +405,7 @@ impl From<StepReport> for CsReport {
             step: r.step,
             bodies: r.bodies,
             active: r.active,
+            refined: r.refined,
             asleep: r.asleep,
             pairs: r.pairs,
             contacts: r.contacts,
@@ -389,6 +417,8 @@ impl From<StepReport> for CsReport {
             broken: r.broken,
             events: r.events,
             dropped_events: r.dropped_events,
+            sweeps: r.sweeps,
+            unsettled: r.unsettled,
             biased: residuals.biased.into(),
             last: residuals.last.into(),
         }

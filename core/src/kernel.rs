@@ -93,7 +93,12 @@ impl KernelRow {
         let link = self.gather(bodies, &mut seats);
         let at = (self.link.seats_a, self.link.seats_b);
         (self.link.seats_a, self.link.seats_b) = (link.seats_a, link.seats_b);
-        contact::visit(&sweep(), (core::slice::from_mut(&mut self.link), &mut []), &mut self.point, &mut seats);
+        contact::visit(
+            &sweep(),
+            (core::slice::from_mut(&mut self.link), &mut []),
+            &mut self.point,
+            &mut seats,
+        );
         (self.link.seats_a, self.link.seats_b) = at;
         for (seat, body) in seats.into_iter().zip(at.0.into_iter().chain(at.1)) {
             bodies[body as usize].0 = seat;

@@ -22,6 +22,7 @@ pub(crate) mod mover;
 pub(crate) mod narrowphase;
 pub(crate) mod ordering;
 pub(crate) mod query_trees;
+pub(crate) mod refine;
 pub(crate) mod residual;
 pub(crate) mod rows;
 pub(crate) mod rules;
@@ -39,7 +40,7 @@ use crate::executor::{Executor, Stage};
 use crate::math::Vec3;
 use crate::observe::{Observer, Rows as ObservedRows, StageView};
 use crate::pool;
-use crate::report::{Residuals, StepReport};
+use crate::report::StepReport;
 use crate::shape::{
     GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_COMPOUND, GEOMETRY_CONE, GEOMETRY_CYLINDER, GEOMETRY_HALF_SPACE,
     GEOMETRY_HEIGHT_FIELD, GEOMETRY_HULL, GEOMETRY_MESH, GEOMETRY_ROUNDED_HULL, ShapeRow,
@@ -48,7 +49,7 @@ use crate::state::{AssetTables, Cache, Scratch, State};
 use articulations::Patterns;
 use layout::Plan;
 use ordering::Links;
-use solver::JointRows;
+use solver::{JointRows, Solved};
 use tasks::{ALONE_BODIES, ALONE_CONTACTS, Crew};
 
 /// Events that a step counts.
@@ -71,6 +72,8 @@ pub(crate) struct Counts {
     pub contacts_before: usize,
     pub dropped_events: u32,
     pub dropped_visits: u32,
+    /// Bodies that are refined.
+    pub refined: u32,
 }
 
 /// The memory of a world, region by region.
@@ -117,10 +120,13 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     events::contacts(state, scratch, &mut counts);
     observer.after(Stage::Narrowphase, &StageView::new(state));
     crew.executor.enter(Stage::Islands);
-    let links = activate(state, (cache, scratch), &mut crew);
+    let links = activate(state, (cache, scratch), settings, &mut crew);
     observer.after(Stage::Islands, &StageView::new(state));
     crew.executor.enter(Stage::Ordering);
     let plan = ordering::run(state, (cache, scratch), (&change, links, settings), scheduler);
+    if state.header[0].refine != 0 {
+        counts.refined = cache.refined.iter().map(|bits| bits.count_ones()).sum();
+    }
     observer.after(Stage::Ordering, &StageView::new(state));
     crew.executor.enter(Stage::Assembly);
     assembly::prepare_bodies(state, scratch, (settings, links.bodies), &mut crew);
@@ -128,12 +134,12 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     let seen = ObservedRows { scratch, cache, plan: &plan, bodies: links.bodies };
     observer.after(Stage::Assembly, &StageView::with_rows(state, seen));
     crew.executor.enter(Stage::Solve);
-    let residuals = solve((cache, scratch), &plan, settings, &mut crew);
+    let solved = solve((cache, scratch), &plan, settings, &mut crew);
     let seen = ObservedRows { scratch, cache, plan: &plan, bodies: links.bodies };
     observer.after(Stage::Solve, &StageView::with_rows(state, seen));
     crew.executor.enter(Stage::Finish);
     events::hits(state, (cache, scratch), (&plan, settings), &mut counts);
-    let joints = (&plan, links.held(), settings.substep());
+    let joints = (&plan, links, settings);
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
     finish::run(state, (assets, cache, scratch), (&plan, settings), (&mut crew, &mut counts));
     if counts.quarantined > 0 {
@@ -146,7 +152,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     observer.after(Stage::Finish, &StageView::new(state));
     crew.executor.leave();
     let report = report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers));
-    StepReport { residuals, ..report }
+    StepReport { residuals: solved.residuals, sweeps: solved.sweeps, unsettled: solved.unsettled, ..report }
 }
 
 /// Sweeps over the rows.
@@ -155,7 +161,7 @@ fn solve<E: Executor>(
     plan: &Plan,
     settings: &Settings,
     crew: &mut Crew<'_, E>,
-) -> Option<Residuals> {
+) -> Solved {
     let mut rows = solver::Rows {
         plan,
         groups: &cache.groups[..plan.groups],
@@ -178,10 +184,11 @@ fn solve<E: Executor>(
     solver::solve(&mut rows, settings, crew)
 }
 
-/// Lists the bodies that take part in the solve, and the links between them.
+/// Lists the bodies that take part in the solve, and the links between them, and brings their tiers up to date.
 fn activate<E: Executor>(
-    state: &State<'_>,
+    state: &mut State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    settings: &Settings,
     crew: &mut Crew<'_, E>,
 ) -> Links {
     let header = &state.header[0];
@@ -194,7 +201,11 @@ fn activate<E: Executor>(
             count += 1;
         }
     }
-    ordering::write_links(state, (cache, scratch), count, crew)
+    let contacts = ordering::write_contacts(state, scratch, crew);
+    let held = ordering::list_held(state, scratch);
+    refine::run(state, scratch, settings, (contacts, held));
+    let loose = ordering::write_joints(state, (cache, scratch), contacts, held);
+    Links { bodies: count, contacts, joints: loose, articulated: held - loose }
 }
 
 fn report(
@@ -207,11 +218,12 @@ fn report(
         step: header.step,
         bodies: header.bodies.count,
         active: bodies,
+        refined: counts.refined,
         asleep: header.asleep,
         pairs: header.pairs,
         contacts: header.contacts,
         joints: header.joints.count,
-        phases: plan.filter(|plan| plan.blocks > 0).map_or(0, |plan| plan.phase_count as u32),
+        phases: plan.filter(|plan| plan.blocks > 0).map_or(0, Plan::phases),
         blocks: plan.map_or(0, |plan| plan.blocks as u32),
         barriers,
         dropped: counts.dropped_pairs + counts.dropped_contacts,
@@ -223,6 +235,8 @@ fn report(
         dropped_events: counts.dropped_events,
         visits: header.visits,
         dropped_visits: counts.dropped_visits,
+        sweeps: 0,
+        unsettled: 0,
         residuals: None,
     }
 }

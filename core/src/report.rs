@@ -11,6 +11,8 @@ pub struct StepReport {
     pub bodies: u32,
     /// Bodies that were solved.
     pub active: u32,
+    /// Of these, bodies that were refined: see [`Settings::refine`](crate::Settings::refine).
+    pub refined: u32,
     /// Bodies that sleep at the end of the step.
     pub asleep: u32,
     /// Pairs of shapes whose boxes overlap.
@@ -43,6 +45,11 @@ pub struct StepReport {
     pub visits: u32,
     /// Visits that found no room.
     pub dropped_visits: u32,
+    /// Biased sweeps of all substeps: more than the settings say where a
+    /// [tolerance](crate::Settings::tolerance) asked for more. Those of refined islands count too.
+    pub sweeps: u32,
+    /// Substeps that had their most sweeps and ended with more than the tolerance.
+    pub unsettled: u32,
     /// How far the solve was from the answer; `None` unless [`Settings::residual`](crate::Settings::residual) asks
     /// for it, and in a step of no time.
     pub residuals: Option<Residuals>,

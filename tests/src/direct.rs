@@ -172,9 +172,9 @@ fn eliminate(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
         b.swap(column, pivot);
         for row in column + 1..count {
             let share = a[row][column] / a[column][column];
-            for k in column..count {
-                a[row][k] -= share * a[column][k];
-            }
+            let (above, below) = a.split_at_mut(row);
+            let pivots = above[column][column..].iter();
+            below[0][column..].iter_mut().zip(pivots).for_each(|(x, pivot)| *x -= share * pivot);
             b[row] -= share * b[column];
         }
     }
@@ -195,8 +195,9 @@ mod tests {
         let mut random = Random::new(7);
         for count in 1..24 {
             // A = G Gt: rows that depend on each other get a millionth on the diagonal.
-            let g: Vec<Vec<f64>> =
-                (0..count).map(|_| (0..count / 2 + 3).map(|_| random.between(-1.0, 1.0).into()).collect()).collect();
+            let g: Vec<Vec<f64>> = (0..count)
+                .map(|_| (0..count / 2 + 3).map(|_| random.between(-1.0, 1.0).into()).collect())
+                .collect();
             let product = |i: usize, k: usize| g[i].iter().zip(&g[k]).map(|(a, b)| a * b).sum::<f64>();
             let entry = |i: usize, k: usize| product(i, k) + if i == k { 1.0e-6 } else { 0.0 };
             let problem = Bounded {

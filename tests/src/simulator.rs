@@ -378,11 +378,13 @@ impl Simulator {
             return settings;
         }
         Settings {
+            tolerance: [0.0, 1.0e-3, 0.1][settings.substeps as usize % 3],
+            sweeps_max: 4,
             sleep_time: self.random.between(0.05, 0.3),
             sleep_speed: self.random.between(0.02, 0.3),
             hit_speed: self.random.between(0.0, 3.0),
             moved_list: self.random.below(4) > 0,
-            residual: settings.substeps % 2 == 0,
+            residual: settings.substeps.is_multiple_of(2),
             ..settings
         }
     }
@@ -400,6 +402,10 @@ impl Simulator {
                 2 | 3 => ContactModel::Split,
                 _ => ContactModel::Soft,
             },
+            refine: 1 + self.random.below(4) as u32,
+            refine_bodies: self.random.below(100) as u32,
+            // Small, so that islands are refined and let go often.
+            refine_sink: [0.0, 1.0e-4, 4.0e-3][self.random.below(3) as usize],
             ..Settings::default()
         }
     }

@@ -4,6 +4,7 @@
 //! = 2 pi f`; contacts with immovable bodies have twice the frequency. A column of n equal cubes on the ground
 //! sinks `(g / w^2) (n (n - 1) + n / 4)`, a mass r on a mass 1 sinks `(g / w^2) (1 + r) (1 + 1/4)`.
 
+use cellstep::config::CONTACT_COUPLING;
 use cellstep::math::{Rotation, Vec3};
 use cellstep::{BodyDef, BodyHandle, Geometry, Position, Serial, Settings, ShapeDef, ShapeHandle};
 use cellstep_tests::executors::Random;
@@ -19,7 +20,7 @@ fn compliance(frequency: f64) -> f64 {
 
 /// Frequency of contacts that follow the substep rate, Hz.
 fn coupled(substeps: u32) -> f64 {
-    0.125 * 60.0 * f64::from(substeps)
+    f64::from(CONTACT_COUPLING) * 60.0 * f64::from(substeps)
 }
 
 /// Unit cubes of the densities on the ground, one exactly on the other.
@@ -57,7 +58,7 @@ fn columns_sink_by_the_stiffness_law() {
         // So high a column is an unstable balance: kept straight it stands for ten seconds, and buckles then.
         (40, 4, 0.0, 300),
     ] {
-        let settings = Settings { substeps, contact_frequency: frequency, ..Settings::default() };
+        let settings = Settings { substeps, contact_frequency: frequency, refine: 1, ..Settings::default() };
         let sunk = sink(&settings, &vec![1000.0; cubes as usize], steps);
         let hertz = if frequency > 0.0 { f64::from(frequency) } else { coupled(substeps) };
         let n = f64::from(cubes);
@@ -70,7 +71,7 @@ fn columns_sink_by_the_stiffness_law() {
 #[test]
 fn a_hundredfold_mass_on_top_sinks_by_the_law() {
     for substeps in [4, 16] {
-        let settings = Settings { substeps, ..Settings::default() };
+        let settings = Settings { substeps, refine: 1, ..Settings::default() };
         let sunk = sink(&settings, &[1000.0, 100_000.0], 600);
         let law = compliance(coupled(substeps)) * 101.0 * 1.25;
         let name = format!("100:1 on top, N={substeps}, sinks {:.2} mm", 1000.0 * sunk);
@@ -80,13 +81,12 @@ fn a_hundredfold_mass_on_top_sinks_by_the_law() {
 
 /// Greatest error of a force between neighbours against the weight above, relative.
 fn force_error(world: &OwnedWorld, cubes: &[(BodyHandle, ShapeHandle)]) -> f64 {
-    let substep = f64::from(world.settings().substep());
     let mut worst = 0.0_f64;
     let mut found = 0;
     for contact in world.contacts() {
         let upper = cubes.iter().position(|cube| cube.1 == contact.shapes[1]).expect("a cube is above");
         let weight = (cubes.len() - upper) as f64 * 1000.0 * GRAVITY;
-        worst = worst.max(relative(f64::from(contact.normal_impulse()) / substep, weight));
+        worst = worst.max(relative(f64::from(contact.normal_force()), weight));
         found += 1;
     }
     assert_eq!(found, cubes.len(), "one contact below each cube");

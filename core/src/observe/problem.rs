@@ -109,7 +109,9 @@ impl Rows<'_, '_> {
         let (balls, joints) = (group.balls as usize, group.joints as usize);
         for i in 0..balls {
             let ball = &self.scratch.ball_rows[group.first_ball as usize + i];
-            self.each_joint((first + i, state), |lane, link, bodies| write_ball(ball, (lane, link, bodies), tell));
+            self.each_joint((first + i, state), |lane, link, bodies| {
+                write_ball(ball, (lane, link, bodies), tell)
+            });
         }
         let (mut lock, mut bound) = (group.first_lock as usize, group.first_bound as usize);
         for i in balls..joints {

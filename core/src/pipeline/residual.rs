@@ -8,18 +8,19 @@ use crate::constraint::contact::{self, Sweep};
 use crate::constraint::joint;
 use crate::constraint::residual::Greatest;
 use crate::executor::{Executor, Stage};
+use crate::pipeline::layout::Tier;
 use crate::pipeline::solver::{Rows, Task, cut_phase};
 use crate::pipeline::tasks::{Crew, Tasks, push};
 use crate::report::Residual;
 
-/// Measures the rows as the sweep's pass leaves them. Velocities, impulses and rows stay.
+/// Measures the rows of a tier as the sweep's pass leaves them. Velocities, impulses and rows stay.
 pub(crate) fn measure<E: Executor>(
-    rows: &mut Rows<'_>,
+    (rows, tier): (&mut Rows<'_>, &Tier),
     sweep: &Sweep,
     crew: &mut Crew<'_, E>,
 ) -> Residual {
     let mut all = Residual::default();
-    for phase in 0..rows.plan.phase_count {
+    for phase in tier.phases() {
         let mut groups = Tasks::new();
         let others = cut_phase(rows, phase, &mut groups);
         let mut tasks: Tasks<(Task<'_>, Residual)> = Tasks::new();

@@ -13,12 +13,12 @@ use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::pipeline::articulations::Patterns;
-use crate::pipeline::layout::{Group, Plan};
+use crate::pipeline::layout::{Group, Phase, Plan, REFINED, Tier};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::residual::measure;
 use crate::pipeline::seat::{OtherSeats, Seat};
-use crate::pipeline::tasks::{Crew, Tasks, push};
-use crate::report::Residuals;
+use crate::pipeline::tasks::{ALONE_CONTACTS, Crew, Tasks, push};
+use crate::report::{Residual, Residuals};
 
 /// Rows and seats of a step, in solver order.
 pub(crate) struct Rows<'a> {
@@ -120,72 +120,153 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
     Bias { rate: 1.0 / settings.substep(), push_speed: settings.push_speed }
 }
 
-/// Solves and integrates the step. Returns what the last substep left, where that is asked for.
-pub(crate) fn solve<E: Executor>(
-    rows: &mut Rows<'_>,
-    settings: &Settings,
-    crew: &mut Crew<'_, E>,
-) -> Option<Residuals> {
-    let substep = settings.substep();
-    let splits = settings.contact_model == ContactModel::Split;
-    let nudges = rows.plan.joints > 0 || splits;
-    let sweep = |pass, visits| Sweep {
-        pass,
-        visits,
-        substep,
-        bias: bias(settings),
-        nudges,
-        splits,
-        relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
-        restitution_threshold: settings.restitution_threshold,
-    };
-    let (sweeps, relax_sweeps) = (settings.sweeps, settings.relax_sweeps);
-    // The last sweep of a substep is plain.
-    let visits = |is_last: bool| if is_last { 1 } else { settings.inner_sweeps };
-    run_sweep(rows, &sweep(Pass::Warm, 1), Motion::PushFirst, crew);
-    let mut residuals = settings.residual.then(Residuals::default);
-    for index in 0..settings.substeps {
-        let asks = residuals.as_mut().filter(|_| index + 1 == settings.substeps);
-        let first = if index == 0 { Motion::None } else { Motion::PushAgain };
-        for k in 0..sweeps {
-            let biased = sweep(Pass::Biased, visits(relax_sweeps == 0 && k + 1 == sweeps));
-            run_sweep(rows, &biased, if k == 0 { first } else { Motion::None }, crew);
-        }
-        if let Some(residuals) = asks {
-            residuals.biased = measure(rows, &sweep(Pass::Biased, 1), crew);
-        }
-        let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
-        run_sweep(rows, &sweep(pass, visits(relax_sweeps <= 1)), Motion::Advance, crew);
-        for k in 1..relax_sweeps {
-            run_sweep(rows, &sweep(Pass::RelaxAgain, visits(k + 1 == relax_sweeps)), Motion::None, crew);
-        }
-    }
-    if let Some(residuals) = &mut residuals {
-        residuals.last = match relax_sweeps {
-            0 => residuals.biased,
-            _ => measure(rows, &sweep(Pass::RelaxAgain, 1), crew),
-        };
-    }
-    if rows.groups.iter().any(|group| group.bounces != 0) {
-        run_sweep(rows, &sweep(Pass::Bounce, 1), Motion::None, crew);
-    }
-    residuals
+/// What the solve tells.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Solved {
+    /// What the last substep of each tier left, where that is asked for.
+    pub residuals: Option<Residuals>,
+    /// Biased sweeps of all tiers.
+    pub sweeps: u32,
+    /// Substeps that had their most sweeps and were not within the tolerance.
+    pub unsettled: u32,
 }
 
-fn run_sweep<E: Executor>(rows: &mut Rows<'_>, sweep: &Sweep, motion: Motion, crew: &mut Crew<'_, E>) {
-    for phase in 0..rows.plan.phase_count {
-        run_phase(rows, sweep, if phase == 0 { motion } else { Motion::None }, (phase, crew));
+impl Solved {
+    /// Notes how the biased sweeps of a substep ended; what is left counts where it is asked for.
+    fn note(&mut self, sweeps: u32, (left, asks): (Option<Residual>, bool), settings: &Settings) {
+        self.sweeps += sweeps;
+        let Some(left) = left else { return };
+        self.unsettled += u32::from(exceeds(settings, &left));
+        if let Some(residuals) = self.residuals.as_mut().filter(|_| asks) {
+            residuals.biased = residuals.biased.with(&left);
+            if settings.relax_sweeps == 0 {
+                residuals.last = residuals.last.with(&left);
+            }
+        }
+    }
+}
+
+/// True when a tolerance asks for less than what is left.
+fn exceeds(settings: &Settings, left: &Residual) -> bool {
+    settings.tolerance > 0.0 && left.greatest() > settings.tolerance
+}
+
+/// Solves and integrates the step, tier by tier.
+pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) -> Solved {
+    let plan = rows.plan;
+    let mut solved = Solved { residuals: settings.residual.then(Residuals::default), ..Solved::default() };
+    for (index, tier) in plan.tiers.iter().enumerate().filter(|(_, tier)| tier.phase_count > 0) {
+        let was_alone = crew.is_alone;
+        // What is refined are small islands: few of them are not worth a barrier.
+        crew.is_alone |= index == REFINED && tier.links < ALONE_CONTACTS as usize;
+        solve_tier((rows, &mut solved), (index, tier), &settings.of_tier(index), crew);
+        crew.is_alone = was_alone;
+    }
+    solved
+}
+
+/// The sweeps of a tier.
+struct Sweeps<'s> {
+    settings: &'s Settings,
+    nudges: bool,
+}
+
+impl Sweeps<'_> {
+    fn of(&self, pass: Pass, visits: u32) -> Sweep {
+        let settings = self.settings;
+        Sweep {
+            pass,
+            visits,
+            substep: settings.substep(),
+            bias: bias(settings),
+            nudges: self.nudges,
+            splits: settings.contact_model == ContactModel::Split,
+            relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
+            restitution_threshold: settings.restitution_threshold,
+        }
+    }
+
+    /// Visits of a block in a sweep: the last sweep of a substep is plain.
+    fn visits(&self, is_last: bool) -> u32 {
+        if is_last { 1 } else { self.settings.inner_sweeps }
+    }
+
+    /// The biased sweeps of a substep: as many as the settings say, then more until what is left is within the
+    /// tolerance. Returns how many there were, and what is left where that is measured.
+    fn press<E: Executor>(
+        &self,
+        (rows, tier): (&mut Rows<'_>, &Tier),
+        (first, asks): (Motion, bool),
+        crew: &mut Crew<'_, E>,
+    ) -> (u32, Option<Residual>) {
+        let Settings { sweeps, sweeps_max, relax_sweeps, tolerance, .. } = *self.settings;
+        let mut done = 0;
+        loop {
+            let biased = self.of(Pass::Biased, self.visits(relax_sweeps == 0 && done + 1 >= sweeps));
+            run_sweep((rows, tier), &biased, if done == 0 { first } else { Motion::None }, crew);
+            done += 1;
+            if done < sweeps {
+                continue;
+            }
+            let left = (asks || tolerance > 0.0).then(|| measure((rows, tier), &biased, crew));
+            if done >= sweeps_max || !left.is_some_and(|left| exceeds(self.settings, &left)) {
+                return (done, left);
+            }
+        }
+    }
+}
+
+fn solve_tier<E: Executor>(
+    (rows, solved): (&mut Rows<'_>, &mut Solved),
+    (index, tier): (usize, &Tier),
+    settings: &Settings,
+    crew: &mut Crew<'_, E>,
+) {
+    let splits = settings.contact_model == ContactModel::Split;
+    let sweeps = Sweeps { settings, nudges: rows.plan.joints > 0 || splits };
+    let relax_sweeps = settings.relax_sweeps;
+    run_sweep((rows, tier), &sweeps.of(Pass::Warm, 1), Motion::PushFirst, crew);
+    for substep in 0..settings.substeps {
+        let first = if substep == 0 { Motion::None } else { Motion::PushAgain };
+        let asks = settings.residual && substep + 1 == settings.substeps;
+        let (done, left) = sweeps.press((rows, tier), (first, asks), crew);
+        solved.note(done, (left, asks), settings);
+        let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
+        let relax = sweeps.of(pass, sweeps.visits(relax_sweeps <= 1));
+        run_sweep((rows, tier), &relax, Motion::Advance, crew);
+        for k in 1..relax_sweeps {
+            let relax = sweeps.of(Pass::RelaxAgain, sweeps.visits(k + 1 == relax_sweeps));
+            run_sweep((rows, tier), &relax, Motion::None, crew);
+        }
+    }
+    if let Some(residuals) = solved.residuals.as_mut().filter(|_| relax_sweeps > 0) {
+        let left = measure((rows, tier), &sweeps.of(Pass::RelaxAgain, 1), crew);
+        residuals.last = residuals.last.with(&left);
+    }
+    if rows.groups.iter().any(|group| group.bounces != 0 && group.tier as usize == index) {
+        run_sweep((rows, tier), &sweeps.of(Pass::Bounce, 1), Motion::None, crew);
+    }
+}
+
+fn run_sweep<E: Executor>(
+    (rows, tier): (&mut Rows<'_>, &Tier),
+    sweep: &Sweep,
+    motion: Motion,
+    crew: &mut Crew<'_, E>,
+) {
+    for (index, phase) in tier.phases().iter().enumerate() {
+        run_phase((rows, phase), sweep, if index == 0 { motion } else { Motion::None }, crew);
     }
 }
 
 fn run_phase<E: Executor>(
-    rows: &mut Rows<'_>,
+    (rows, phase): (&mut Rows<'_>, &Phase),
     sweep: &Sweep,
     motion: Motion,
-    (index, crew): (usize, &mut Crew<'_, E>),
+    crew: &mut Crew<'_, E>,
 ) {
     let mut tasks = Tasks::new();
-    let others = cut_phase(rows, index, &mut tasks);
+    let others = cut_phase(rows, phase, &mut tasks);
     crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
 }
 
@@ -193,16 +274,16 @@ fn run_phase<E: Executor>(
 #[inline(always)]
 pub(crate) fn cut_phase<'r>(
     rows: &'r mut Rows<'_>,
-    index: usize,
+    phase: &Phase,
     tasks: &mut Tasks<Task<'r>>,
 ) -> OtherSeats<'r> {
-    let phase = rows.plan.phases[index];
     let (first, end) = (phase.first_seat as usize, (phase.first_seat + phase.seats) as usize);
     let (before, rest) = rows.seats[..rows.plan.seats].split_at_mut(first);
     let (own, after) = rest.split_at_mut(end - first);
     let others = OtherSeats { before, after, end };
     let groups = &rows.groups[phase.first_group as usize..(phase.first_group + phase.groups) as usize];
-    let movers = if index == 0 { &mut rows.movers[..end / LANES] } else { &mut [] };
+    let moves = first < rows.plan.moving;
+    let movers = if moves { &mut rows.movers[first / LANES..end / LANES] } else { &mut [] };
     let links = (&mut *rows.links, &mut *rows.resists);
     let parts =
         ((own, &rows.sources[first..end], movers), (links, &mut *rows.points, rows.joints.reborrow()));

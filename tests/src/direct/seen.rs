@@ -33,7 +33,11 @@ impl Observer for Seen {
                 let mut index = 0;
                 view.each_row(|after| {
                     let row = &mut self.rows[index];
-                    assert_eq!((row.link, row.bodies), (after.link, after.bodies), "the rows keep their order");
+                    assert_eq!(
+                        (row.link, row.bodies),
+                        (after.link, after.bodies),
+                        "the rows keep their order"
+                    );
                     row.impulse = after.impulse;
                     if let ProblemKind::Bound { .. } = row.kind {
                         row.kind = after.kind;
@@ -113,63 +117,26 @@ impl Seen {
 
     /// The answer for given loads and directions: a box along the direction takes the place of the disc.
     fn solve_once(&self, frictions: &[Friction]) -> Answer {
-        let (mut rows, mut low, mut high, mut rates) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        // For each row of ours, those that it is a sum of, with factors.
-        let mut parts: Vec<Vec<(usize, f64)>> = Vec::new();
-        let mut i = 0;
-        while i < self.rows.len() {
-            let row = &self.rows[i];
-            let load = frictions[row.link as usize].load.max(0.0);
-            let mut add = |jacobian, bias: f64, bounds: [f64; 2]| {
-                rows.push(Wide { jacobian, bodies: row.bodies, soft: row.soft.into() });
-                rates.push(bias);
-                low.push(bounds[0]);
-                high.push(bounds[1]);
-                rows.len() - 1
+        let mut split = Split::default();
+        let mut rest = self.rows.as_slice();
+        while let [row, after @ ..] = rest {
+            let friction = &frictions[row.link as usize];
+            rest = match (row.kind, after) {
+                (ProblemKind::Tangent { friction: share }, [other, rest @ ..]) => {
+                    split.add_tangents([row, other], friction.direction, f64::from(share) * friction.load);
+                    rest
+                }
+                _ => {
+                    split.add(row, friction.load);
+                    after
+                }
             };
-            let own = row.jacobian.map(|end| end.map(f64::from));
-            let bias = f64::from(row.bias);
-            match row.kind {
-                ProblemKind::Normal => parts.push(vec![(add(own, bias, [0.0, f64::INFINITY]), 1.0)]),
-                ProblemKind::Hold => parts.push(vec![(add(own, bias, [f64::NEG_INFINITY, f64::INFINITY]), 1.0)]),
-                ProblemKind::Twist { friction, radius } => {
-                    let most = f64::from(friction) * f64::from(radius) * load;
-                    parts.push(vec![(add(own, bias, [-most, most]), 1.0)]);
-                }
-                ProblemKind::Tangent { friction } => {
-                    let most = f64::from(friction) * load;
-                    let other = &self.rows[i + 1];
-                    let second = other.jacobian.map(|end| end.map(f64::from));
-                    let [c, s] = frictions[row.link as usize].direction;
-                    let mix = |x: f64, y: f64| {
-                        let entry = |end: usize, k: usize| x * own[end][k] + y * second[end][k];
-                        [0, 1].map(|end| core::array::from_fn(|k| entry(end, k)))
-                    };
-                    let slip = f64::from(other.bias);
-                    let along = add(mix(c, s), c * bias + s * slip, [-most, most]);
-                    let across = add(mix(-s, c), c * slip - s * bias, [-most, most]);
-                    parts.push(vec![(along, c), (across, -s)]);
-                    parts.push(vec![(along, s), (across, c)]);
-                    i += 1;
-                }
-                ProblemKind::Bound { least, greatest, most } => {
-                    let most = if most < NO_BOUND { f64::from(most) } else { f64::INFINITY };
-                    let [least, greatest] = [least, greatest].map(f64::from);
-                    if least == greatest {
-                        parts.push(vec![(add(own, bias - least, [-most, most]), 1.0)]);
-                    } else {
-                        let lower = add(own, bias - least, [0.0, most]);
-                        let upper = add(own, bias - greatest, [-most, 0.0]);
-                        parts.push(vec![(lower, 1.0), (upper, 1.0)]);
-                    }
-                }
-            }
-            i += 1;
         }
-        let matrix = self.matrix(&rows);
-        let rates = rows.iter().zip(rates).map(|(row, bias)| bias + self.rate(row)).collect();
+        let matrix = self.matrix(&split.rows);
+        let rates = split.rows.iter().map(|row| row.bias + self.rate(row)).collect();
+        let (low, high) = split.rows.iter().map(|row| (row.low, row.high)).unzip();
         let x = Bounded { matrix, rates, low, high }.solve();
-        parts.iter().map(|parts| parts.iter().map(|&(row, factor)| factor * x[row]).sum()).collect()
+        split.parts.iter().map(|parts| parts.iter().map(|&(row, factor)| factor * x[row]).sum()).collect()
     }
 
     /// `J u0`.
@@ -205,11 +172,73 @@ impl Seen {
     }
 }
 
-/// A row in double precision.
+/// A row in double precision, with given bounds.
 struct Wide {
     jacobian: [[f64; 6]; 2],
     bodies: [Option<u32>; 2],
     soft: f64,
+    bias: f64,
+    low: f64,
+    high: f64,
+}
+
+/// Our rows as rows with given bounds.
+#[derive(Default)]
+struct Split {
+    rows: Vec<Wide>,
+    /// For each row of ours those that it is the sum of, with factors.
+    parts: Vec<Vec<(usize, f64)>>,
+}
+
+impl Split {
+    fn push(&mut self, row: &ProblemRow, jacobian: [[f64; 6]; 2], bias: f64, [low, high]: [f64; 2]) -> usize {
+        self.rows.push(Wide { jacobian, bodies: row.bodies, soft: row.soft.into(), bias, low, high });
+        self.rows.len() - 1
+    }
+
+    fn add(&mut self, row: &ProblemRow, load: f64) {
+        let own = wide(&row.jacobian);
+        let bias = f64::from(row.bias);
+        let mut parts = Vec::new();
+        let mut add = |bias: f64, bounds: [f64; 2]| parts.push((self.push(row, own, bias, bounds), 1.0));
+        match row.kind {
+            ProblemKind::Normal => add(bias, [0.0, f64::INFINITY]),
+            ProblemKind::Tangent { .. } | ProblemKind::Hold => add(bias, [f64::NEG_INFINITY, f64::INFINITY]),
+            ProblemKind::Twist { friction, radius } => {
+                let most = f64::from(friction) * f64::from(radius) * load;
+                add(bias, [-most, most]);
+            }
+            ProblemKind::Bound { least, greatest, most } => {
+                let most = if most < NO_BOUND { f64::from(most) } else { f64::INFINITY };
+                if least == greatest {
+                    add(bias - f64::from(least), [-most, most]);
+                } else {
+                    add(bias - f64::from(least), [0.0, most]);
+                    add(bias - f64::from(greatest), [-most, 0.0]);
+                }
+            }
+        }
+        self.parts.push(parts);
+    }
+
+    /// Two tangents as rows along a direction and across it.
+    fn add_tangents(&mut self, [row, other]: [&ProblemRow; 2], [c, s]: [f64; 2], most: f64) {
+        let (first, second) = (wide(&row.jacobian), wide(&other.jacobian));
+        let mix = |x: f64, y: f64| {
+            let jacobian: [[f64; 6]; 2] =
+                core::array::from_fn(|end| core::array::from_fn(|k| x * first[end][k] + y * second[end][k]));
+            (jacobian, x * f64::from(row.bias) + y * f64::from(other.bias))
+        };
+        let ((along, slip), (across, drift)) = (mix(c, s), mix(-s, c));
+        let along = self.push(row, along, slip, [-most, most]);
+        let across = self.push(row, across, drift, [-most, most]);
+        self.parts.push(vec![(along, c), (across, -s)]);
+        self.parts.push(vec![(along, s), (across, c)]);
+    }
+}
+
+fn wide(jacobian: &[[f32; 6]; 2]) -> [[f64; 6]; 2] {
+    jacobian.map(|end| end.map(f64::from))
 }
 
 fn inverse_masses(body: &ProblemBody) -> [f64; 6] {

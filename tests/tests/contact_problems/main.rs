@@ -48,7 +48,10 @@ fn residual(problem: &Problem, impulses: &[[f64; 3]]) -> f64 {
 fn run(name: &str, problem: &Problem, solver: &mut dyn Solver) -> Vec<f64> {
     let contacts = problem.friction.len();
     let start = residual(problem, &vec![[0.0; 3]; contacts]);
-    println!("{name}: {contacts} contacts, {} rows of eight, residual {start:.3e} m/s at first", solver.rows());
+    println!(
+        "{name}: {contacts} contacts, {} rows of eight, residual {start:.3e} m/s at first",
+        solver.rows()
+    );
     let mut told = Vec::new();
     let mut done = 0;
     for sweeps in TOLD {
@@ -56,7 +59,10 @@ fn run(name: &str, problem: &Problem, solver: &mut dyn Solver) -> Vec<f64> {
         done = sweeps;
         let exact = residual(problem, &solver.impulses());
         let own = solver.residual();
-        println!("  {sweeps:>5} sweeps: {exact:.2e} m/s, {:.2e} of the first; the solver says {own:.2e}", exact / start);
+        println!(
+            "  {sweeps:>5} sweeps: {exact:.2e} m/s, {:.2e} of the first; the solver says {own:.2e}",
+            exact / start
+        );
         // The solver's own measure is of f32 velocities.
         assert!((own - exact).abs() < 1.0e-2 * exact + 2.0e-5 * start, "{own} and {exact}");
         told.push(exact / start);
@@ -71,11 +77,7 @@ fn problems_of_others_converge() {
         return;
     };
     let folder = PathBuf::from(path).join("contact-problems");
-    for file in [
-        "Box_Stacks-i0122-82-5",
-        "Capsules-i125-1213",
-        "spheres-in-a-box-98-i10000-256-10",
-    ] {
+    for file in ["Box_Stacks-i0122-82-5", "Capsules-i125-1213", "spheres-in-a-box-98-i10000-256-10"] {
         let problem = read::read(&folder.join(format!("{file}.hdf5"))).expect("the file is readable");
         let mut jointly = problem.bodies.as_ref().and_then(|bodies| Jointly::new(&problem, bodies));
         let told = match &mut jointly {

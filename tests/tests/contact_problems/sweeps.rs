@@ -97,22 +97,19 @@ fn between(problem: &Problem, from: &Bodies, contact: usize) -> Option<(KernelCo
     assert!((1..=2).contains(&ends.len()), "a contact is of one or two bodies");
     // The rate is d . (vb - va): the linear jacobian of A is -d.
     let (a, rows_a) = &ends[0];
-    let linear = |k: usize| -> [f64; 3] {
-        core::array::from_fn(|i| -rows_a[k][i] / from.roots[*a][i])
-    };
+    let linear = |k: usize| -> [f64; 3] { core::array::from_fn(|i| -rows_a[k][i] / from.roots[*a][i]) };
     let [n, t, s] = [linear(0), linear(1), linear(2)];
     let cross = [n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]];
     let product = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let sign = product(&cross, &s).signum();
     let units = [(&n, &n, 1.0), (&t, &t, 1.0), (&n, &t, 0.0), (&cross, &s, sign)];
     if units.iter().any(|(a, b, wanted)| (product(a, b) - wanted).abs() > ROUNDING) {
-        println!("OFF {contact} {:?}", units.map(|(a,b,w)| product(a,b)-w));
+        println!("OFF {contact} {:?}", units.map(|(a, b, w)| product(a, b) - w));
         return None;
     }
     let signs = [1.0, 1.0, sign];
-    let turns = |rows: &[[f64; 6]; 3], side: f64| {
-        [0, 1, 2].map(|k| vector(&rows[k][3..]) * (side * signs[k]) as f32)
-    };
+    let turns =
+        |rows: &[[f64; 6]; 3], side: f64| [0, 1, 2].map(|k| vector(&rows[k][3..]) * (side * signs[k]) as f32);
     let mut given = KernelContact {
         bodies: [Some(*a as u32), None],
         directions: [vector(&n), vector(&t)],
@@ -191,7 +188,16 @@ impl<'a> Blocks<'a> {
         for (row, entries) in problem.matrix.iter().enumerate() {
             entries.iter().for_each(|&(column, x)| columns[column].push((row, x)));
         }
-        let asym = problem.matrix.iter().enumerate().flat_map(|(r,e)| e.iter().map(move |&(c,x)| (r,c,x))).map(|(r,c,x)| { let y: f64 = problem.matrix[c].iter().filter(|e| e.0==r).map(|e| e.1).sum(); ((x-y).abs(), x, y, r, c) }).fold((0.0,0.0,0.0,0,0), |m, e| if e.0>m.0 {e} else {m});
+        let asym = problem
+            .matrix
+            .iter()
+            .enumerate()
+            .flat_map(|(r, e)| e.iter().map(move |&(c, x)| (r, c, x)))
+            .map(|(r, c, x)| {
+                let y: f64 = problem.matrix[c].iter().filter(|e| e.0 == r).map(|e| e.1).sum();
+                ((x - y).abs(), x, y, r, c)
+            })
+            .fold((0.0, 0.0, 0.0, 0, 0), |m, e| if e.0 > m.0 { e } else { m });
         println!("ASYM {asym:?}");
         Self { rows, bodies, problem, columns, rates: problem.rates.clone() }
     }
@@ -230,7 +236,8 @@ impl Solver for Blocks<'_> {
         for row in 0..self.rows.len() {
             self.aim(row);
             let dealt = &mut self.rows[row];
-            let before: Vec<[f32; 3]> = (0..dealt.contacts.len()).map(|lane| dealt.row.impulse(lane)).collect();
+            let before: Vec<[f32; 3]> =
+                (0..dealt.contacts.len()).map(|lane| dealt.row.impulse(lane)).collect();
             dealt.row.visit(&mut self.bodies);
             for (lane, (&contact, before)) in dealt.contacts.iter().zip(before).enumerate() {
                 let after = dealt.row.impulse(lane);

@@ -16,6 +16,12 @@ pub struct SettingsDoc {
     /// Biased sweeps of a substep, at least 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweeps: Option<u32>,
+    /// Residual at which the biased sweeps of a substep end, m/s; 0 for as many as `sweeps` says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f32>,
+    /// Most biased sweeps of a substep where there is a tolerance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweeps_max: Option<u32>,
     /// Sweeps without bias at the end of a substep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relax_sweeps: Option<u32>,
@@ -34,6 +40,15 @@ pub struct SettingsDoc {
     /// Greatest speed at which overlap is pushed out, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub push_speed: Option<f32>,
+    /// How many times the substeps small islands under great load get; 1 for no island.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine: Option<u32>,
+    /// Most dynamic bodies of such an island.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine_bodies: Option<u32>,
+    /// Sink of a soft contact from which on its island is refined, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine_sink: Option<f32>,
     /// Slower approaches do not bounce, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution_threshold: Option<f32>,
@@ -82,12 +97,17 @@ impl SettingsDoc {
         set(&mut settings.dt, self.dt);
         set(&mut settings.substeps, self.substeps);
         set(&mut settings.sweeps, self.sweeps);
+        set(&mut settings.tolerance, self.tolerance);
+        set(&mut settings.sweeps_max, self.sweeps_max);
         set(&mut settings.relax_sweeps, self.relax_sweeps);
         set(&mut settings.inner_sweeps, self.inner_sweeps);
         set(&mut settings.contact_model, self.contact_model.map(Into::into));
         set(&mut settings.contact_frequency, self.contact_frequency);
         set(&mut settings.contact_damping_ratio, self.contact_damping_ratio);
         set(&mut settings.push_speed, self.push_speed);
+        set(&mut settings.refine, self.refine);
+        set(&mut settings.refine_bodies, self.refine_bodies);
+        set(&mut settings.refine_sink, self.refine_sink);
         set(&mut settings.restitution_threshold, self.restitution_threshold);
         set(&mut settings.block_links, self.block_links);
         set(&mut settings.sleep_time, self.sleep_time);
