@@ -56,7 +56,10 @@ pub const REFINE_BODIES: u32 = 128;
 /// Sink from which on an island is refined, metres: a stack of about twenty.
 pub const REFINE_SINK: f32 = 4.0e-3;
 /// Steps from one look at the loads to the next.
-pub const REFINE_STEPS: u64 = 8;
+pub const REFINE_STEPS: u64 = 4;
+/// Steps from one time that islands are let go to the next: longer, since what becomes stiffer springs up first,
+/// and carries nothing for some steps.
+pub const COARSEN_STEPS: u64 = 64;
 /// Fastest linear motion, metres per second: capped and reported.
 pub const LINEAR_SPEED_MAX: f32 = 1.0e6;
 /// Largest rotation of a body in one substep, radians: 256 splits of 0.3; faster spin is capped and reported.
@@ -100,14 +103,15 @@ pub struct Settings {
     pub contact_damping_ratio: f32,
     /// Fastest push-out of overlap, m/s, `0..=1e4`.
     pub push_speed: f32,
-    /// Small islands under great load get so many times the substeps, `1..=64`, at most 256 in all; 1 for no island.
-    /// What a load is: see `refine_sink`.
+    /// Small islands under great load get so many times the substeps, `1..=64`, at most [`SUBSTEPS_MAX`] in all; 1
+    /// for no island. What a load is: see `refine_sink`.
     pub refine: u32,
     /// Most dynamic bodies of an island that is refined, `0..=65535`: for what a scene may have many of, the
     /// substeps of all are the dial.
     pub refine_bodies: u32,
     /// An island is refined while it has a contact that soft contacts would let sink by more than this, metres, in
-    /// `0..=1e4`; it stays so down to half of it. Looked at every [`REFINE_STEPS`] steps.
+    /// `0..=1e4`; it is let go when all are below half of that. Looked at every [`REFINE_STEPS`] steps, and let go
+    /// every [`COARSEN_STEPS`].
     pub refine_sink: f32,
     /// Approach speed below which nothing bounces, m/s, `0..=1e4`.
     pub restitution_threshold: f32,

@@ -1,6 +1,6 @@
 //! Refinement: small islands under great load have substeps of their own, and nobody else pays for it or sees it.
 
-use cellstep::config::{CONTACT_COUPLING, REFINE, REFINE_BODIES, REFINE_STEPS};
+use cellstep::config::{COARSEN_STEPS, CONTACT_COUPLING, REFINE, REFINE_BODIES, REFINE_STEPS};
 use cellstep::math::Vec3;
 use cellstep::{
     AxisMotion, BodyDef, BodyHandle, Capacities, Geometry, JointDef, Position, Serial, Settings, ShapeDef,
@@ -62,7 +62,7 @@ fn an_island_is_refined_while_its_load_is_great() {
     assert_eq!(refined(&mut world), 2);
     let rest = center(&world, light);
     world.remove_body(heavy).expect("it is there");
-    run(&mut world, REFINE_STEPS as u32);
+    run(&mut world, COARSEN_STEPS as u32);
     assert_eq!(refined(&mut world), 0);
     // Let go, the lower cube comes up by what it had sunk, and by no more.
     run(&mut world, 60);

@@ -9,7 +9,7 @@
 //! whose chain has no such joint left is empty there.
 //!
 //! Bodies that are refined, and their links, make a *tier* of their own, with phases of its own: it is solved after
-//! the others, in more substeps. The first phases of both tiers come first, so that the bodies' movers lie in a row.
+//! the others, in more substeps. The first phases of both tiers come first, so that all movers lie in a row.
 
 mod joints;
 

@@ -240,7 +240,7 @@ fn lay_out(
         contacts: links.contacts as u32,
         order: &scratch.order[..count],
         articulations: articulations.split_at(cut_articulations).into(),
-        blocks: <[&[Block]; TIERS]>::from((&*blocks).split_at(cut)),
+        blocks: <[&[Block]; TIERS]>::from(blocks.split_at(cut)),
         bodies: links.bodies as u32,
         refined: &scratch.active_refined[..refined],
     };
@@ -276,8 +276,8 @@ fn note_refined(state: &State<'_>, scratch: &mut Scratch<'_>, bodies: usize) -> 
     words
 }
 
-/// Writes the links of the step's contacts, between active bodies for the layout and between slots for the ordering.
-/// Returns how many they are.
+/// Writes the links of the step's contacts, between active bodies for the layout and between slots for the
+/// ordering. Returns how many they are.
 pub(crate) fn write_contacts<E: Executor>(
     state: &State<'_>,
     scratch: &mut Scratch<'_>,

@@ -3,15 +3,15 @@
 //! Soft contacts sink by the load that they carry: `F / (m* w^2)` for a force F, an effective mass `m*` and the
 //! natural frequency `w` that goes with the substeps. Where an island has a contact that would sink by more than
 //! `Settings::refine_sink`, it is *refined*: its bodies make a tier of their own, with `Settings::refine` times the
-//! substeps, and contacts that are stiffer by the square of it. Large islands stay as they are: of those the dial is
-//! the substeps of all.
+//! substeps, and contacts that are stiffer by the square of it. Large islands stay as they are: for those the dial
+//! is the substeps of all.
 //!
 //! Which bodies are refined is state. It is looked at every few steps, and whenever something refined touches
 //! something that is not: an island has one tier. Impulses are those of a substep, and go along with its length.
 
 use crate::body::BodyRow;
 use crate::cells::{IMMOVABLE, Link};
-use crate::config::{REFINE_STEPS, STATIC_STIFFNESS, Settings};
+use crate::config::{COARSEN_STEPS, REFINE_STEPS, STATIC_STIFFNESS, Settings};
 use crate::joint::AxisRow;
 use crate::math::PI;
 use crate::pipeline::layout::{REFINED, TIERS};
@@ -62,7 +62,8 @@ pub(crate) fn run(
         return;
     }
     unite_all(state, scratch, (contacts, held));
-    let any = decide(state, scratch, if substeps == 0 { 0 } else { settings.refine_bodies });
+    let stays = !state.header[0].step.is_multiple_of(COARSEN_STEPS);
+    let any = decide(state, scratch, (if substeps == 0 { 0 } else { settings.refine_bodies }, stays));
     let lengths = [settings.substeps, if substeps == 0 { before } else { substeps }];
     rescale(state, scratch, lengths, (contacts, held));
     for slot in iterate(state.body_used, high as u32) {
@@ -122,8 +123,9 @@ fn unite_all(state: &State<'_>, scratch: &mut Scratch<'_>, (contacts, held): (us
     }
 }
 
-/// Marks the bodies whose tier changes. True when some body is refined from now on.
-fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, bodies: u32) -> bool {
+/// Marks the bodies whose tier changes: islands of so many bodies at most are refined, and those that are stay so
+/// if `stays`. True when some body is refined from now on.
+fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, bool)) -> bool {
     let high = state.header[0].bodies.high;
     let is_active = |slot: u32| state.bodies[slot as usize].is_active();
     for slot in iterate(state.body_used, high).filter(|&slot| is_active(slot)) {
@@ -139,8 +141,8 @@ fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, bodies: u32) -> bool {
         let is = if is_active(slot) {
             let root = root(scratch.islands, slot) as usize;
             let marks = scratch.marks[root];
-            let sinks =
-                marks & SINKS != 0 || marks & (STILL_SINKS | WAS_REFINED) == STILL_SINKS | WAS_REFINED;
+            let still = marks & WAS_REFINED != 0 && (stays || marks & STILL_SINKS != 0);
+            let sinks = marks & SINKS != 0 || still;
             sinks && scratch.island_sizes[root] <= bodies
         } else {
             was && bodies > 0 && state.bodies[slot as usize].is_dynamic()
