@@ -134,8 +134,8 @@ pub struct Settings {
     /// Whether steps note which bodies moved: see [`World::moved_bodies`](crate::World::moved_bodies).
     pub moved_list: bool,
     /// Whether steps measure how far their solve is from the answer: see
-    /// [`StepReport::residuals`](crate::StepReport::residuals). Costs up to two sweeps for each step; changes no bit
-    /// of the motion.
+    /// [`StepReport::residuals`](crate::StepReport::residuals). Costs less than two sweeps for each step, and
+    /// changes no bit of the motion.
     pub residual: bool,
 }
 

@@ -1,5 +1,5 @@
-//! The solver's projection of contacts, for rows that come from elsewhere: test problems of others, which say masses
-//! and jacobians but no shapes. What visits a row here is what visits the rows of a step.
+//! The solver's projection of contacts, for rows that come from elsewhere: test problems of others, which say
+//! masses and jacobians but no shapes. What visits a row here is what visits the rows of a step.
 //!
 //! A contact has one point, a normal n and two tangents. Its rates are those of B against A, `J u + bias`; an
 //! impulse on B along n is at least 0, and those along the tangents lie in a disc of friction times it.

@@ -58,11 +58,12 @@ pub struct StepReport {
 /// How far the rows of a step's last substep were from the condition on their impulses (SEED S8: a row whose rate
 /// grows has its least impulse, one whose rate falls its greatest, any other a rate of 0).
 ///
-/// A substep has two kinds of sweeps, with two kinds of rows. *Biased* sweeps want gaps and overlaps corrected, give
-/// where contacts are soft, and find the loads; then the bodies move. *Relax* sweeps want no more than that nothing
-/// approaches at the new places. Each is a problem of its own, so both are measured: after the last sweep of its
-/// kind, with what that sweep asked. Left out are the nudges that take back errors of position without becoming
-/// velocity (joints, split contacts), and the speeds that restitution gives after the last sweep.
+/// A substep has two kinds of sweeps, with two kinds of rows. *Biased* sweeps want gaps and overlaps corrected,
+/// give where contacts are soft, and find the loads; then the bodies move. *Relax* sweeps want no more than
+/// that nothing approaches at the new places. Each is a problem of its own, so both are measured: after the
+/// last sweep of its kind, with what that sweep asked. Left out are the nudges that take back errors of
+/// position without becoming velocity (joints, split contacts), and the speeds that restitution gives after the
+/// last sweep.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residuals {
     /// After the last biased sweep.

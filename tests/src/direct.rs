@@ -4,8 +4,8 @@
 //! Dantzig's method as Baraff gives it (Fast contact force computation for nonpenetrating rigid bodies, 1994), with
 //! bounds: rows are taken in one after the other. The impulse of the row that comes in is driven to where its
 //! condition holds, and the impulses of the *free* rows (between their bounds) go with it so that their rates stay
-//! 0; where a row meets its bound, or a rate meets 0, the row changes sides and the drive goes on. Every drive ends:
-//! it solves a convex problem over fewer rows each time.
+//! 0; where a row meets its bound, or a rate meets 0, the row changes sides and the drive goes on. Every drive
+//! ends: it solves a convex problem over fewer rows each time.
 
 mod seen;
 

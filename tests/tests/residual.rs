@@ -207,10 +207,11 @@ fn sweeps_bring_it_down() {
             residuals(&report)
         });
         println!("{contact_model:?}: {left:?}");
-        for of in [|r: &Residuals| r.biased.greatest(), |r: &Residuals| r.last.greatest()] {
-            assert!(left.windows(2).all(|pair| of(&pair[1]) < of(&pair[0])), "{contact_model:?}");
-            assert!(of(&left[3]) < 0.02 * of(&left[0]), "{contact_model:?}");
-        }
+        // What relax sweeps start with depends on what the biased ones found: only the end is compared.
+        let [biased, last] =
+            [|r: &Residuals| r.biased, |r: &Residuals| r.last].map(|of| left.map(|r| of(&r).greatest()));
+        assert!(biased.windows(2).all(|pair| pair[1] < pair[0]), "{contact_model:?}: {biased:?}");
+        assert!(biased[3] < 0.02 * biased[0] && last[3] < 0.02 * last[0], "{contact_model:?}: {left:?}");
     }
 }
 

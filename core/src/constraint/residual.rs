@@ -8,8 +8,8 @@
 //! r = |lambda - clamp(lambda - m w)| / m        m: the step that the sweep takes, about 1 / (J M^-1 Jt + soft)
 //! ```
 //! which is 0 exactly where the condition holds: `|w|` for a row that is free to change, and no more than what the
-//! bound leaves to change where one is near. The two tangents of a contact are one row whose bounds are a disc, with
-//! the load of now. `m` only weighs how far a bound is: it does not change where r is 0.
+//! bound leaves to change where one is near. The two tangents of a contact are one row whose bounds are a disc,
+//! with the load of now. `m` only weighs how far a bound is: it does not change where r is 0.
 //!
 //! Rows of turning count at the radius of gyration k of what they turn, `k^2 = (1/ma + 1/mb) / (J M^-1 Jt)`, as for
 //! sleep: so all rows are metres per second, and one bound serves all.

@@ -6,12 +6,12 @@
 //! prints how the residual falls with the sweeps. The files are found through the environment variable
 //! `CELLSTEP_DATA`, a folder with `contact-problems/*.hdf5`; without it the test says that it skipped.
 //!
-//! Problems that say their bodies become rows between those bodies, exactly as in a step. One that says no more than
-//! W cannot: which bodies its contacts share, and with which jacobians, is not in it. Its contacts become rows on a
-//! body each whose `J M^-1 Jt` is the contact's own block of W; what an impulse does to other contacts is added from
-//! W to their rates, which stand in the bodies' velocities before each visit. The projection is the same. So are
-//! problems treated whose three directions are not across each other, as the balls' are not by up to 0.03: rows have
-//! right angles.
+//! Problems that say their bodies become rows between those bodies, exactly as in a step. One that says no more
+//! than W cannot: which bodies its contacts share, and with which jacobians, is not in it. Its contacts become
+//! rows on a body each whose `J M^-1 Jt` is the contact's own block of W; what an impulse does to other
+//! contacts is added from W to their rates, which stand in the bodies' velocities before each visit. The
+//! projection is the same. So are problems treated whose three directions are not across each other, as those
+//! of the balls, which are off by up to 0.03: rows have right angles.
 
 mod read;
 mod sweeps;
