@@ -3,12 +3,14 @@
 pub mod commands;
 pub mod direct;
 pub mod executors;
+pub mod extremes;
 pub mod fuzzing;
 pub mod jointed;
 pub mod mixed;
 pub mod oracles;
 pub mod reference;
 pub mod schedules;
+pub mod score;
 pub mod simulator;
 pub mod solids;
 pub mod worlds;
