@@ -1,12 +1,14 @@
 //! What steps measure of their own solve, and sweeps that go on until it is small.
 
 use cellstep::math::{Pose, Rotation, Vec3};
+use cellstep::scene::builtin::Builtin;
 use cellstep::{
     Axis, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Executor, Geometry, JointDef,
     MaterialTraits, Pool, Residuals, Serial, Settings, ShapeDef, StepReport,
 };
 use cellstep_tests::executors::Shuffled;
 use cellstep_tests::worlds::{OwnedWorld, add, ground, world_with};
+use std::path::Path;
 
 const CUBE: Geometry = Geometry::Box { half_extents: Vec3::splat(0.5) };
 const MODELS: [ContactModel; 3] = [ContactModel::Soft, ContactModel::Rigid, ContactModel::Split];
@@ -238,6 +240,30 @@ fn sweeps_end_at_the_tolerance() {
             let report = world.step(&mut Serial);
             assert_eq!((report.sweeps, report.unsettled), (done, 2));
         }
+    }
+}
+
+#[test]
+fn scenes_of_joints_come_to_rest_in_their_rows() {
+    // Wheels with springs, motors, cones, drives with springs, ropes, in all passes.
+    for name in ["cars", "ragdolls", "bridge"] {
+        let builtin = Builtin::find(name).expect("it is built in");
+        let scene = builtin.scene(builtin.golden_size).expect("in range");
+        let mut world = scene.build(Path::new(".")).expect("it builds").world;
+        step(&mut world, &mut Serial, 60);
+        let mut start = vec![0; world.snapshot_bytes()];
+        world.save(&mut start).expect("room");
+        let left = [1, 1024].map(|sweeps| {
+            world.restore(&start).expect("its own");
+            let settings =
+                Settings { residual: true, sweeps, relax_sweeps: sweeps, refine: 1, ..world.settings() };
+            world.set_settings(&settings).expect("in range");
+            residuals(&world.step(&mut Serial))
+        });
+        println!("{name}: {left:?}");
+        let most = [left[1].biased, left[1].last].map(|residual| residual.greatest());
+        assert!(most.iter().all(|&most| most < 1.0e-4), "{name}: {left:?}");
+        assert!(left[0].biased.joint > 1.0e-4, "{name}: {left:?}");
     }
 }
 
