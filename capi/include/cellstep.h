@@ -320,8 +320,12 @@ typedef struct {
   CsVec3 gravity;
   // 1..=256.
   uint32_t substeps;
-  // Sweeps with position correction per substep, 1..=1024.
+  // Sweeps with position correction per substep, 1..=1024. With a tolerance the least number.
   uint32_t sweeps;
+  // Residual at which the sweeps of a substep end, m/s; 0 for as many as `sweeps` says.
+  float tolerance;
+  // Most sweeps where there is a tolerance, 1..=1024.
+  uint32_t sweeps_max;
   // Sweeps without, 0..=1024.
   uint32_t relax_sweeps;
   // Visits of each block in a sweep, 1..=64.
@@ -356,7 +360,19 @@ typedef struct {
   float hit_speed;
   // 1 for steps that note which bodies moved.
   uint32_t moved_list;
+  // 1 for steps that measure their residuals.
+  uint32_t residual;
 } CsSettings;
+
+// The greatest residual of rows, by kind, m/s.
+typedef struct {
+  // Points of contacts along their normals.
+  float normal;
+  // Friction of contacts.
+  float friction;
+  // Joints.
+  float joint;
+} CsResidual;
 
 // What a step tells.
 typedef struct {
@@ -390,6 +406,14 @@ typedef struct {
   uint32_t events;
   // Events that found no room.
   uint32_t dropped_events;
+  // Biased sweeps of all substeps.
+  uint32_t sweeps;
+  // Substeps that ended with more than the tolerance.
+  uint32_t unsettled;
+  // Residual after the last biased sweep; 0 unless the settings ask for it.
+  CsResidual biased;
+  // Residual after the last sweep of all.
+  CsResidual last;
 } CsReport;
 
 // A place in the world: a sector of 64 m and metres from its middle. A zero sector is around the origin; offsets

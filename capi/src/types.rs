@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Preset,
-    Settings, ShapeHandle, StepReport,
+    Residual, Settings, ShapeHandle, StepReport,
 };
 
 /// A vector.
@@ -241,8 +241,12 @@ pub struct CsSettings {
     pub gravity: CsVec3,
     /// 1..=256.
     pub substeps: u32,
-    /// Sweeps with position correction per substep, 1..=1024.
+    /// Sweeps with position correction per substep, 1..=1024. With a tolerance the least number.
     pub sweeps: u32,
+    /// Residual at which the sweeps of a substep end, m/s; 0 for as many as `sweeps` says.
+    pub tolerance: f32,
+    /// Most sweeps where there is a tolerance, 1..=1024.
+    pub sweeps_max: u32,
     /// Sweeps without, 0..=1024.
     pub relax_sweeps: u32,
     /// Visits of each block in a sweep, 1..=64.
@@ -277,6 +281,8 @@ pub struct CsSettings {
     pub hit_speed: f32,
     /// 1 for steps that note which bodies moved.
     pub moved_list: u32,
+    /// 1 for steps that measure their residuals.
+    pub residual: u32,
 }
 
 impl From<Settings> for CsSettings {
@@ -286,6 +292,8 @@ impl From<Settings> for CsSettings {
             gravity: s.gravity.into(),
             substeps: s.substeps,
             sweeps: s.sweeps,
+            tolerance: s.tolerance,
+            sweeps_max: s.sweeps_max,
             relax_sweeps: s.relax_sweeps,
             inner_sweeps: s.inner_sweeps,
             contact_model: match s.contact_model {
@@ -307,6 +315,7 @@ impl From<Settings> for CsSettings {
             events: s.events.0,
             hit_speed: s.hit_speed,
             moved_list: u32::from(s.moved_list),
+            residual: u32::from(s.residual),
         }
     }
 }
@@ -318,6 +327,8 @@ impl CsSettings {
             gravity: self.gravity.into(),
             substeps: self.substeps,
             sweeps: self.sweeps,
+            tolerance: self.tolerance,
+            sweeps_max: self.sweeps_max,
             relax_sweeps: self.relax_sweeps,
             inner_sweeps: self.inner_sweeps,
             contact_model: match self.contact_model {
@@ -340,13 +351,32 @@ impl CsSettings {
             events: EventKinds(self.events),
             hit_speed: self.hit_speed,
             moved_list: self.moved_list != 0,
+            residual: self.residual != 0,
         })
+    }
+}
+
+/// The greatest residual of rows, by kind, m/s.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CsResidual {
+    /// Points of contacts along their normals.
+    pub normal: f32,
+    /// Friction of contacts.
+    pub friction: f32,
+    /// Joints.
+    pub joint: f32,
+}
+
+impl From<Residual> for CsResidual {
+    fn from(r: Residual) -> Self {
+        Self { normal: r.normal, friction: r.friction, joint: r.joint }
     }
 }
 
 /// What a step tells.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CsReport {
     /// Steps taken so far.
     pub step: u64,
@@ -378,10 +408,19 @@ pub struct CsReport {
     pub events: u32,
     /// Events that found no room.
     pub dropped_events: u32,
+    /// Biased sweeps of all substeps.
+    pub sweeps: u32,
+    /// Substeps that ended with more than the tolerance.
+    pub unsettled: u32,
+    /// Residual after the last biased sweep; 0 unless the settings ask for it.
+    pub biased: CsResidual,
+    /// Residual after the last sweep of all.
+    pub last: CsResidual,
 }
 
 impl From<StepReport> for CsReport {
     fn from(r: StepReport) -> Self {
+        let residuals = r.residuals.unwrap_or_default();
         Self {
             step: r.step,
             bodies: r.bodies,
@@ -398,6 +437,10 @@ impl From<StepReport> for CsReport {
             broken: r.broken,
             events: r.events,
             dropped_events: r.dropped_events,
+            sweeps: r.sweeps,
+            unsettled: r.unsettled,
+            biased: residuals.biased.into(),
+            last: residuals.last.into(),
         }
     }
 }

@@ -2,5 +2,6 @@
 
 pub(crate) mod contact;
 pub(crate) mod joint;
+pub(crate) mod residual;
 pub(crate) mod row;
 pub(crate) mod velocities;

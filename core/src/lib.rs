@@ -13,6 +13,8 @@ pub mod command;
 pub mod config;
 pub mod debug;
 pub mod executor;
+#[doc(hidden)]
+pub mod kernel;
 pub mod math;
 pub mod observe;
 
@@ -55,7 +57,7 @@ pub use query::{
     BodyKinds, ClosestPoint, Found, Hit, Overlap, Probe, Queries, QueryFilter, QueryShape, Ray, Region,
     ShapeCast,
 };
-pub use report::StepReport;
+pub use report::{Residual, Residuals, StepReport};
 pub use shape::{Filter, Geometry, ShapeDef};
 pub use state::{Field, FieldKind, Surface};
 pub use world::{

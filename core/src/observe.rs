@@ -3,10 +3,14 @@
 //! For finding where two steps part that should be equal. A step without an observer has no trace of this: the type
 //! `()` observes nothing, and compiles to nothing.
 
+mod problem;
+
 use crate::executor::Stage;
 use crate::pipeline::layout::Plan;
-use crate::state::{Scratch, State, sections_in_use};
+use crate::state::{Cache, Scratch, State, sections_in_use};
 use bytemuck::cast_slice;
+
+pub use problem::{ProblemBody, ProblemKind, ProblemRow};
 
 /// Looks at a step: see [`World::step_observed`](crate::World::step_observed).
 pub trait Observer {
@@ -23,7 +27,17 @@ impl Observer for () {
 /// What there is to see after a stage.
 pub struct StageView<'a, 's> {
     state: &'a State<'s>,
-    rows: Option<(&'a Scratch<'s>, &'a Plan)>,
+    rows: Option<Rows<'a, 's>>,
+}
+
+/// What the rows of a step lie in.
+#[derive(Clone, Copy)]
+pub(crate) struct Rows<'a, 's> {
+    pub scratch: &'a Scratch<'s>,
+    pub cache: &'a Cache<'s>,
+    pub plan: &'a Plan,
+    /// Bodies that are solved.
+    pub bodies: usize,
 }
 
 /// A run of rows with its name.
@@ -36,8 +50,8 @@ impl<'a, 's> StageView<'a, 's> {
     }
 
     #[inline(always)]
-    pub(crate) fn with_rows(state: &'a State<'s>, scratch: &'a Scratch<'s>, plan: &'a Plan) -> Self {
-        Self { state, rows: Some((scratch, plan)) }
+    pub(crate) fn with_rows(state: &'a State<'s>, rows: Rows<'a, 's>) -> Self {
+        Self { state, rows: Some(rows) }
     }
 
     /// The sections of the state, as far as they are in use, in the order and with the names of
@@ -55,7 +69,7 @@ impl<'a, 's> StageView<'a, 's> {
     /// The rows of the solver, after [`Stage::Assembly`] and [`Stage::Solve`]; none after others. They follow from
     /// the state alone.
     pub fn rows(&self) -> impl Iterator<Item = Named<'a>> + use<'a, 's> {
-        let rows = self.rows.map(|(scratch, plan)| {
+        let rows = self.rows.map(|Rows { scratch, plan, .. }| {
             macro_rules! used {
                 ($($name:ident: $count:expr),* $(,)?) => {
                     [$((stringify!($name), cast_slice(&scratch.$name[..($count).min(scratch.$name.len())]))),*]

@@ -23,6 +23,7 @@ pub(crate) mod narrowphase;
 pub(crate) mod ordering;
 pub(crate) mod query_trees;
 pub(crate) mod refine;
+pub(crate) mod residual;
 pub(crate) mod rows;
 pub(crate) mod rules;
 pub(crate) mod seat;
@@ -37,7 +38,7 @@ use crate::collide::Solid;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
 use crate::math::Vec3;
-use crate::observe::{Observer, StageView};
+use crate::observe::{Observer, Rows as ObservedRows, StageView};
 use crate::pool;
 use crate::report::StepReport;
 use crate::shape::{
@@ -48,7 +49,7 @@ use crate::state::{AssetTables, Cache, Scratch, State};
 use articulations::Patterns;
 use layout::Plan;
 use ordering::Links;
-use solver::JointRows;
+use solver::{JointRows, Solved};
 use tasks::{ALONE_BODIES, ALONE_CONTACTS, Crew};
 
 /// Events that a step counts.
@@ -130,10 +131,12 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     crew.executor.enter(Stage::Assembly);
     assembly::prepare_bodies(state, scratch, (settings, links.bodies), &mut crew);
     assembly::fill(state, (cache, scratch), (settings, &plan), &mut crew);
-    observer.after(Stage::Assembly, &StageView::with_rows(state, scratch, &plan));
+    let seen = ObservedRows { scratch, cache, plan: &plan, bodies: links.bodies };
+    observer.after(Stage::Assembly, &StageView::with_rows(state, seen));
     crew.executor.enter(Stage::Solve);
-    solve((cache, scratch), &plan, settings, &mut crew);
-    observer.after(Stage::Solve, &StageView::with_rows(state, scratch, &plan));
+    let solved = solve((cache, scratch), &plan, settings, &mut crew);
+    let seen = ObservedRows { scratch, cache, plan: &plan, bodies: links.bodies };
+    observer.after(Stage::Solve, &StageView::with_rows(state, seen));
     crew.executor.enter(Stage::Finish);
     events::hits(state, (cache, scratch), (&plan, settings), &mut counts);
     let joints = (&plan, links, settings);
@@ -148,7 +151,8 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     }
     observer.after(Stage::Finish, &StageView::new(state));
     crew.executor.leave();
-    report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers))
+    let report = report(state, Some(&plan), (links.bodies as u32, &counts, crew.barriers));
+    StepReport { residuals: solved.residuals, sweeps: solved.sweeps, unsettled: solved.unsettled, ..report }
 }
 
 /// Sweeps over the rows.
@@ -157,7 +161,7 @@ fn solve<E: Executor>(
     plan: &Plan,
     settings: &Settings,
     crew: &mut Crew<'_, E>,
-) {
+) -> Solved {
     let mut rows = solver::Rows {
         plan,
         groups: &cache.groups[..plan.groups],
@@ -177,7 +181,7 @@ fn solve<E: Executor>(
         sources: cache.seat_sources,
         movers: scratch.movers,
     };
-    solver::solve(&mut rows, settings, crew);
+    solver::solve(&mut rows, settings, crew)
 }
 
 /// Lists the bodies that take part in the solve, and the links between them, and brings their tiers up to date.
@@ -231,6 +235,9 @@ fn report(
         dropped_events: counts.dropped_events,
         visits: header.visits,
         dropped_visits: counts.dropped_visits,
+        sweeps: 0,
+        unsettled: 0,
+        residuals: None,
     }
 }
 

@@ -272,6 +272,8 @@ impl Any<'_> {
             gravity: self.vector(),
             substeps: 1 + self.0.below(4) as u32,
             sweeps: 1 + self.0.below(2) as u32,
+            tolerance: self.number(),
+            sweeps_max: 1 + self.0.below(8) as u32,
             relax_sweeps: self.0.below(2) as u32,
             inner_sweeps: 1 + self.0.below(2) as u32,
             contact_model: model,
@@ -289,6 +291,7 @@ impl Any<'_> {
             events: EventKinds(self.0.below(70) as u32),
             hit_speed: self.number(),
             moved_list: self.flag(),
+            residual: self.flag(),
         }
     }
 }

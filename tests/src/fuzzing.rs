@@ -192,7 +192,9 @@ pub fn load(world: &mut OwnedWorld, bytes: &[u8]) -> Result<(), Error> {
 /// True when a step asks for few sweeps.
 fn is_quick(world: &OwnedWorld) -> bool {
     let settings = world.settings();
-    let sweeps = u64::from(settings.sweeps) + u64::from(settings.relax_sweeps);
+    let most =
+        if settings.tolerance > 0.0 { settings.sweeps.max(settings.sweeps_max) } else { settings.sweeps };
+    let sweeps = u64::from(most) + u64::from(settings.relax_sweeps);
     u64::from(settings.substeps) * sweeps * u64::from(settings.inner_sweeps) <= SWEEPS_MAX
 }
 

@@ -1,6 +1,7 @@
 //! Scenes, commands, oracles and executors shared by tests, benches and fuzz targets.
 
 pub mod commands;
+pub mod direct;
 pub mod executors;
 pub mod extremes;
 pub mod fuzzing;

@@ -378,10 +378,13 @@ impl Simulator {
             return settings;
         }
         Settings {
+            tolerance: [0.0, 1.0e-3, 0.1][settings.substeps as usize % 3],
+            sweeps_max: 4,
             sleep_time: self.random.between(0.05, 0.3),
             sleep_speed: self.random.between(0.02, 0.3),
             hit_speed: self.random.between(0.0, 3.0),
             moved_list: self.random.below(4) > 0,
+            residual: settings.substeps.is_multiple_of(2),
             ..settings
         }
     }

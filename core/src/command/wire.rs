@@ -307,6 +307,8 @@ fields!(Settings {
     gravity: Vec3,
     substeps: u32,
     sweeps: u32,
+    tolerance: f32,
+    sweeps_max: u32,
     relax_sweeps: u32,
     inner_sweeps: u32,
     contact_model: ContactModel,
@@ -324,6 +326,7 @@ fields!(Settings {
     events: EventKinds,
     hit_speed: f32,
     moved_list: bool,
+    residual: bool,
 });
 
 variants!(u8; BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
@@ -368,7 +371,7 @@ variants!(u8; Geometry {
 // The upper byte of a tag is the version of the fields, the lower one the kind. A kind whose fields change gets the
 // next version; a number is never used again.
 variants!(u16; Command {
-    0x0101 => SetSettings { 0 settings: Settings },
+    0x0201 => SetSettings { 0 settings: Settings },
     0x0110 => CreateBody { 0 def: BodyDef },
     0x0111 => RemoveBody { 0 body: BodyHandle },
     0x0112 => SetPose { 0 body: BodyHandle, 1 position: Position, 2 rotation: Rotation },

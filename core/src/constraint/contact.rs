@@ -8,6 +8,7 @@
 //! and `s` the tangents; `h` the substep.
 
 mod bounce;
+mod residual;
 mod resist;
 mod shift;
 mod split;
@@ -17,6 +18,7 @@ use super::velocities::{Velocities, motions};
 use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bounce::{bounce, forget_blows, record_bounces};
+pub(crate) use residual::measure;
 use shift::Shift;
 
 /// What a sweep does at each row.

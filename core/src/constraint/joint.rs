@@ -16,6 +16,7 @@ mod ball;
 mod elimination;
 mod factor;
 mod follow;
+mod residual;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -27,6 +28,7 @@ pub(crate) use elimination::{
 };
 pub(crate) use factor::{BlockRow, Matrix, NodeRow};
 pub(crate) use follow::{Bound, bounds_of, locks_of, place, weigh, wrench};
+pub(crate) use residual::{measure, measure_balls};
 
 use super::velocities::{Velocities, root_times};
 use crate::joint::Signature;

@@ -86,6 +86,12 @@ impl Velocities {
         }
     }
 
+    /// Inverse masses of both bodies, added, whatever axes are locked; 0 for an immovable one, 1/kg.
+    #[inline(always)]
+    pub fn inverse_mass(&self) -> Lane {
+        self.rest_a[0] + self.rest_b[0]
+    }
+
     /// Rate of the row with direction `d` and jacobians `ja`, `jb`.
     #[inline(always)]
     pub fn rate(&self, d: LaneVec, ja: LaneVec, jb: LaneVec) -> Lane {

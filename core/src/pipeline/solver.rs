@@ -15,8 +15,10 @@ use crate::lanes::LANES;
 use crate::pipeline::articulations::Patterns;
 use crate::pipeline::layout::{Group, Phase, Plan, REFINED, Tier};
 use crate::pipeline::mover::MoverRow;
+use crate::pipeline::residual::measure;
 use crate::pipeline::seat::{OtherSeats, Seat};
 use crate::pipeline::tasks::{ALONE_CONTACTS, Crew, Tasks, push};
+use crate::report::{Residual, Residuals};
 
 /// Rows and seats of a step, in solver order.
 pub(crate) struct Rows<'a> {
@@ -101,16 +103,16 @@ enum Motion {
 }
 
 /// A group at work.
-struct Task<'a> {
-    seats: &'a mut [Seat],
-    sources: &'a [u32],
+pub(crate) struct Task<'a> {
+    pub seats: &'a mut [Seat],
+    pub sources: &'a [u32],
     /// Empty after phase 0.
     movers: &'a mut [MoverRow],
-    joints: JointRows<'a>,
+    pub joints: JointRows<'a>,
     patterns: Patterns<'a>,
-    links: &'a mut [LinkRow],
-    points: &'a mut [PointRow],
-    resists: &'a mut [ResistRow],
+    pub links: &'a mut [LinkRow],
+    pub points: &'a mut [PointRow],
+    pub resists: &'a mut [ResistRow],
 }
 
 /// How contacts are biased.
@@ -118,60 +120,131 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
     Bias { rate: 1.0 / settings.substep(), push_speed: settings.push_speed }
 }
 
+/// What the solve tells.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Solved {
+    /// What the last substep of each tier left, where that is asked for.
+    pub residuals: Option<Residuals>,
+    /// Biased sweeps of all tiers.
+    pub sweeps: u32,
+    /// Substeps that had their most sweeps and were not within the tolerance.
+    pub unsettled: u32,
+}
+
+impl Solved {
+    /// Notes how the biased sweeps of a substep ended; what is left counts where it is asked for.
+    fn note(&mut self, sweeps: u32, (left, asks): (Option<Residual>, bool), settings: &Settings) {
+        self.sweeps += sweeps;
+        let Some(left) = left else { return };
+        self.unsettled += u32::from(exceeds(settings, &left));
+        if let Some(residuals) = self.residuals.as_mut().filter(|_| asks) {
+            residuals.biased = residuals.biased.with(&left);
+            if settings.relax_sweeps == 0 {
+                residuals.last = residuals.last.with(&left);
+            }
+        }
+    }
+}
+
+/// True when a tolerance asks for less than what is left.
+fn exceeds(settings: &Settings, left: &Residual) -> bool {
+    settings.tolerance > 0.0 && left.greatest() > settings.tolerance
+}
+
 /// Solves and integrates the step, tier by tier.
-pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
+pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) -> Solved {
     let plan = rows.plan;
+    let mut solved = Solved { residuals: settings.residual.then(Residuals::default), ..Solved::default() };
     for (index, tier) in plan.tiers.iter().enumerate().filter(|(_, tier)| tier.phase_count > 0) {
         let was_alone = crew.is_alone;
         // What is refined are small islands: few of them are not worth a barrier.
         crew.is_alone |= index == REFINED && tier.links < ALONE_CONTACTS as usize;
-        solve_tier(rows, (index, tier), &settings.of_tier(index), crew);
+        solve_tier((rows, &mut solved), (index, tier), &settings.of_tier(index), crew);
         crew.is_alone = was_alone;
+    }
+    solved
+}
+
+/// The sweeps of a tier.
+struct Sweeps<'s> {
+    settings: &'s Settings,
+    nudges: bool,
+}
+
+impl Sweeps<'_> {
+    fn of(&self, pass: Pass, visits: u32) -> Sweep {
+        let settings = self.settings;
+        Sweep {
+            pass,
+            visits,
+            substep: settings.substep(),
+            bias: bias(settings),
+            nudges: self.nudges,
+            splits: settings.contact_model == ContactModel::Split,
+            relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
+            restitution_threshold: settings.restitution_threshold,
+        }
+    }
+
+    /// Visits of a block in a sweep: the last sweep of a substep is plain.
+    fn visits(&self, is_last: bool) -> u32 {
+        if is_last { 1 } else { self.settings.inner_sweeps }
+    }
+
+    /// The biased sweeps of a substep: as many as the settings say, then more until what is left is within the
+    /// tolerance. Returns how many there were, and what is left where that is measured.
+    fn press<E: Executor>(
+        &self,
+        (rows, tier): (&mut Rows<'_>, &Tier),
+        (first, asks): (Motion, bool),
+        crew: &mut Crew<'_, E>,
+    ) -> (u32, Option<Residual>) {
+        let Settings { sweeps, sweeps_max, relax_sweeps, tolerance, .. } = *self.settings;
+        let mut done = 0;
+        loop {
+            let biased = self.of(Pass::Biased, self.visits(relax_sweeps == 0 && done + 1 >= sweeps));
+            run_sweep((rows, tier), &biased, if done == 0 { first } else { Motion::None }, crew);
+            done += 1;
+            if done < sweeps {
+                continue;
+            }
+            let left = (asks || tolerance > 0.0).then(|| measure((rows, tier), &biased, crew));
+            if done >= sweeps_max || !left.is_some_and(|left| exceeds(self.settings, &left)) {
+                return (done, left);
+            }
+        }
     }
 }
 
 fn solve_tier<E: Executor>(
-    rows: &mut Rows<'_>,
+    (rows, solved): (&mut Rows<'_>, &mut Solved),
     (index, tier): (usize, &Tier),
     settings: &Settings,
     crew: &mut Crew<'_, E>,
 ) {
-    let substep = settings.substep();
     let splits = settings.contact_model == ContactModel::Split;
-    let nudges = rows.plan.joints > 0 || splits;
-    let sweep = |pass, visits| Sweep {
-        pass,
-        visits,
-        substep,
-        bias: bias(settings),
-        nudges,
-        splits,
-        relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
-        restitution_threshold: settings.restitution_threshold,
-    };
-    let (sweeps, relax_sweeps) = (settings.sweeps, settings.relax_sweeps);
-    // The last sweep of a substep is plain.
-    let visits = |is_last: bool| if is_last { 1 } else { settings.inner_sweeps };
-    run_sweep((rows, tier), &sweep(Pass::Warm, 1), Motion::PushFirst, crew);
+    let sweeps = Sweeps { settings, nudges: rows.plan.joints > 0 || splits };
+    let relax_sweeps = settings.relax_sweeps;
+    run_sweep((rows, tier), &sweeps.of(Pass::Warm, 1), Motion::PushFirst, crew);
     for substep in 0..settings.substeps {
         let first = if substep == 0 { Motion::None } else { Motion::PushAgain };
-        for k in 0..sweeps {
-            let biased = sweep(Pass::Biased, visits(relax_sweeps == 0 && k + 1 == sweeps));
-            run_sweep((rows, tier), &biased, if k == 0 { first } else { Motion::None }, crew);
-        }
+        let asks = settings.residual && substep + 1 == settings.substeps;
+        let (done, left) = sweeps.press((rows, tier), (first, asks), crew);
+        solved.note(done, (left, asks), settings);
         let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
-        run_sweep((rows, tier), &sweep(pass, visits(relax_sweeps <= 1)), Motion::Advance, crew);
+        let relax = sweeps.of(pass, sweeps.visits(relax_sweeps <= 1));
+        run_sweep((rows, tier), &relax, Motion::Advance, crew);
         for k in 1..relax_sweeps {
-            run_sweep(
-                (rows, tier),
-                &sweep(Pass::RelaxAgain, visits(k + 1 == relax_sweeps)),
-                Motion::None,
-                crew,
-            );
+            let relax = sweeps.of(Pass::RelaxAgain, sweeps.visits(k + 1 == relax_sweeps));
+            run_sweep((rows, tier), &relax, Motion::None, crew);
         }
     }
+    if let Some(residuals) = solved.residuals.as_mut().filter(|_| relax_sweeps > 0) {
+        let left = measure((rows, tier), &sweeps.of(Pass::RelaxAgain, 1), crew);
+        residuals.last = residuals.last.with(&left);
+    }
     if rows.groups.iter().any(|group| group.bounces != 0 && group.tier as usize == index) {
-        run_sweep((rows, tier), &sweep(Pass::Bounce, 1), Motion::None, crew);
+        run_sweep((rows, tier), &sweeps.of(Pass::Bounce, 1), Motion::None, crew);
     }
 }
 
@@ -192,6 +265,18 @@ fn run_phase<E: Executor>(
     motion: Motion,
     crew: &mut Crew<'_, E>,
 ) {
+    let mut tasks = Tasks::new();
+    let others = cut_phase(rows, phase, &mut tasks);
+    crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
+}
+
+/// Writes the tasks of a phase; returns the seats of the others.
+#[inline(always)]
+pub(crate) fn cut_phase<'r>(
+    rows: &'r mut Rows<'_>,
+    phase: &Phase,
+    tasks: &mut Tasks<Task<'r>>,
+) -> OtherSeats<'r> {
     let (first, end) = (phase.first_seat as usize, (phase.first_seat + phase.seats) as usize);
     let (before, rest) = rows.seats[..rows.plan.seats].split_at_mut(first);
     let (own, after) = rest.split_at_mut(end - first);
@@ -202,9 +287,8 @@ fn run_phase<E: Executor>(
     let links = (&mut *rows.links, &mut *rows.resists);
     let parts =
         ((own, &rows.sources[first..end], movers), (links, &mut *rows.points, rows.joints.reborrow()));
-    let mut tasks = Tasks::new();
-    cut((groups, rows.patterns), parts, &mut tasks);
-    crew.run(Stage::Solve, &mut tasks, |task| visit(task, sweep, motion, &others));
+    cut((groups, rows.patterns), parts, tasks);
+    others
 }
 
 /// Rows of links and of their resistances.

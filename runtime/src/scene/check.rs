@@ -119,6 +119,7 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
         ("restitution_threshold", doc.restitution_threshold, 1.0e4),
         ("sleep_time", doc.sleep_time, 3600.0),
         ("sleep_speed", doc.sleep_speed, 1.0e4),
+        ("tolerance", doc.tolerance, 1.0e6),
     ];
     for (name, value, high) in numbers {
         value.map_or(Ok(()), |x| range(place.key(name), x, 0.0, high))?;
@@ -126,6 +127,7 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
     let counts = [
         ("substeps", doc.substeps, 1, 256),
         ("sweeps", doc.sweeps, 1, 1024),
+        ("sweeps_max", doc.sweeps_max, 1, 1024),
         ("relax_sweeps", doc.relax_sweeps, 0, 1024),
         ("inner_sweeps", doc.inner_sweeps, 1, 64),
         ("refine", doc.refine, 1, 64),

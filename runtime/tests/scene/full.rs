@@ -90,6 +90,9 @@ fn full_settings() -> SettingsDoc {
         sleep_time: Some(0.5),
         sleep_speed: Some(0.02),
         continuous: Some(false),
+        residual: Some(true),
+        tolerance: Some(1.0e-3),
+        sweeps_max: Some(16),
     }
 }
 

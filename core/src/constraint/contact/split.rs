@@ -28,14 +28,14 @@ pub(super) fn solve<const N: usize>(
 }
 
 /// What an overlapping point has if they all have the same.
-struct Share {
+pub(super) struct Share {
     bias: Lane,
     load: Lane,
 }
 
 impl Share {
     #[inline(always)]
-    fn of(points: &[PointRow], together: Lane) -> Self {
+    pub(super) fn of(points: &[PointRow], together: Lane) -> Self {
         let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
         let (mut bias, mut load, mut count) = (zero, zero, zero);
         for point in points {
@@ -50,7 +50,7 @@ impl Share {
     }
 
     #[inline(always)]
-    fn demand(&self, point: &PointRow) -> Demand {
+    pub(super) fn demand(&self, point: &PointRow) -> Demand {
         let bias = point.bias - point.soft.greater(Lane::ZERO).keep(self.bias);
         Demand { bias, soft: point.soft, mass: point.soft_mass, load: self.load }
     }

@@ -12,6 +12,7 @@ use super::super::velocities::{Velocities, motions, root_times};
 use super::follow::Turning;
 use super::solve::{NUDGE_MAX, inverse};
 use crate::lanes::{LANES, Lane, LaneVec};
+use crate::math::Vec3;
 use crate::pipeline::seat::Seat;
 use bytemuck::{Pod, Zeroable};
 
@@ -119,6 +120,20 @@ impl BallRow {
     fn follow_only(&mut self, seats: &[Seat]) {
         let u = self.velocities(seats);
         self.follow(seats, u.ma + u.mb);
+    }
+
+    /// Jacobians of a lane's row along `d`.
+    pub fn jacobians(&self, lane: usize, d: Vec3) -> (Vec3, Vec3) {
+        let mut all = LaneVec::ZERO;
+        all.set(lane, d);
+        let a = root_times(&self.root_a, self.lever_a.cross(all));
+        let b = root_times(&self.root_b, self.arm_b.cross(all));
+        (a.get(lane), b.get(lane))
+    }
+
+    /// The rates that are left.
+    pub(super) fn lacks(&self, seats: &[Seat]) -> LaneVec {
+        self.rate(&self.velocities(seats))
     }
 
     /// How fast B's point leaves A's.

@@ -252,14 +252,20 @@ impl BoundRow {
     /// One step of the row.
     #[inline(always)]
     fn solve(&mut self, u: &mut Velocities) {
+        let x = self.wanted(u);
+        self.ways.apply(u, x - self.impulse);
+        self.impulse = x;
+    }
+
+    /// The impulse with which the rate is in its bounds.
+    #[inline(always)]
+    pub(super) fn wanted(&self, u: &Velocities) -> Lane {
         // The rate that there would be without the row's impulse, and the impulse that brings it into its bounds.
         let free = self.ways.rate(u) - self.yields * self.impulse;
         let raise = (self.least - free) * self.mass;
         let lower = (self.greatest - free) * self.mass;
         let x = raise.greatest(Lane::ZERO) + lower.least(Lane::ZERO);
-        let x = x.least(self.most).greatest(-self.most).finite().flushed();
-        self.ways.apply(u, x - self.impulse);
-        self.impulse = x;
+        x.least(self.most).greatest(-self.most).finite().flushed()
     }
 }
 

@@ -19,6 +19,12 @@ pub struct SettingsDoc {
     /// Biased sweeps of a substep, at least 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweeps: Option<u32>,
+    /// Residual at which the biased sweeps of a substep end, m/s; 0 for as many as `sweeps` says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f32>,
+    /// Most biased sweeps of a substep where there is a tolerance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweeps_max: Option<u32>,
     /// Sweeps without bias at the end of a substep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relax_sweeps: Option<u32>,
@@ -61,6 +67,9 @@ pub struct SettingsDoc {
     /// Whether fast bodies are stopped at what they would pass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub continuous: Option<bool>,
+    /// Whether steps measure how far their solve is from the answer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual: Option<bool>,
 }
 
 /// A place on the dial between speed and accuracy.
@@ -159,6 +168,8 @@ impl SettingsDoc {
         set(&mut settings.dt, self.dt);
         set(&mut settings.substeps, self.substeps);
         set(&mut settings.sweeps, self.sweeps);
+        set(&mut settings.tolerance, self.tolerance);
+        set(&mut settings.sweeps_max, self.sweeps_max);
         set(&mut settings.relax_sweeps, self.relax_sweeps);
         set(&mut settings.inner_sweeps, self.inner_sweeps);
         set(&mut settings.contact_model, self.contact_model.map(Into::into));
@@ -173,6 +184,7 @@ impl SettingsDoc {
         set(&mut settings.sleep_time, self.sleep_time);
         set(&mut settings.sleep_speed, self.sleep_speed);
         set(&mut settings.continuous, self.continuous);
+        set(&mut settings.residual, self.residual);
     }
 }
 
