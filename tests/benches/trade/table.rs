@@ -1,0 +1,108 @@
+//! The tables in the terminal.
+
+use crate::engine::ENGINES;
+use crate::measure::{Measured, Outcome};
+use crate::own;
+use cellstep_tests::trade::{Verdict, frontier, verdict};
+
+/// By how much the worst ratio may be above 1 (issue's bound).
+const WORSE: f64 = 1.1;
+/// Share of the scenes in which the own error has to be lower everywhere.
+const SHARE: f64 = 0.75;
+
+/// A number in the width of a column.
+pub fn number(value: f64) -> String {
+    if value.is_infinite() {
+        "lost".to_string()
+    } else if value == 0.0 {
+        "0".to_string()
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+/// All configurations of a scene: cost, headline error, the other errors, settings.
+pub fn print(outcome: &Outcome) {
+    let scene = &outcome.scene;
+    println!();
+    println!(
+        "{}: {} moving bodies, {} steps of {:.2} ms; {}",
+        scene.name,
+        scene.setup.moving(),
+        scene.steps,
+        scene.setup.dt * 1e3,
+        scene.headline
+    );
+    let axes = &outcome.all[0].errors;
+    for (place, axis) in axes.iter().enumerate().skip(1) {
+        println!("  [{place}] {}, {}", axis.name, axis.unit);
+    }
+    let heads: String = (1..axes.len()).map(|place| format!("{:>9}", format!("[{place}]"))).collect();
+    println!("  {:42}{:>9}{:>9}{heads}  settings", "* on the engine's frontier", "ns", "error");
+    for engine in ENGINES {
+        let all = outcome.of(engine);
+        let best = frontier(&outcome.points(engine));
+        for (place, measured) in all.into_iter().enumerate() {
+            line(measured, best.contains(&place));
+        }
+    }
+}
+
+fn line(measured: &Measured, is_best: bool) {
+    let star = if is_best { "*" } else { " " };
+    let name = format!("{star} {} {}", measured.engine, measured.name);
+    let errors: String = measured.errors.iter().map(|axis| format!("{:>9}", number(axis.value))).collect();
+    println!("  {name:42}{:9.0}{errors}  {}", measured.cost, measured.settings);
+}
+
+/// A peer's verdicts, with the scenes' names.
+pub fn verdicts<'a>(all: &'a [Outcome], peer: &str) -> Vec<(&'a str, Verdict)> {
+    let one = |outcome: &'a Outcome| {
+        let points = [own::NAME, peer].map(|engine| outcome.points(engine));
+        Some((outcome.scene.name, verdict(&points[0], &points[1], outcome.scene.floor)?))
+    };
+    all.iter().filter_map(one).collect()
+}
+
+/// Scenes in which the own error is lower everywhere, all scenes, and the worst ratio with its scene.
+pub fn sum_up<'a>(verdicts: &[(&'a str, Verdict)]) -> (usize, usize, f64, &'a str) {
+    let ahead = verdicts.iter().filter(|(_, verdict)| verdict.is_ahead).count();
+    let worst = verdicts.iter().max_by(|a, b| a.1.worst.total_cmp(&b.1.worst));
+    let (worst, name) = worst.map_or((0.0, ""), |(name, verdict)| (verdict.worst, *name));
+    (ahead, verdicts.len(), worst, name)
+}
+
+/// Whether the own frontier is ahead of each peer's, scene by scene.
+pub fn print_verdicts(all: &[Outcome]) {
+    println!();
+    println!(
+        "Verdict: cellstep's headline error over the peer's, each the best that its engine gives within a cost, at
+every cost between the peer's cheapest and dearest setting. Errors below a scene's floor count as the floor:
+what is measured there is rounding; both at the floor is no loss. `infinite`: nothing own is so cheap, or lost."
+    );
+    for peer in &ENGINES[1..] {
+        let verdicts = verdicts(all, peer);
+        println!();
+        println!(
+            "  {:14}{:>10}{:>10}{:>12}{:>12}  against {peer}",
+            "", "lower", "worst", "at cost, ns", "share"
+        );
+        for (name, verdict) in &verdicts {
+            println!(
+                "  {name:14}{:>10}{:>10.3}{:>12.0}{:>10.0} %",
+                if verdict.is_ahead { "yes" } else { "no" },
+                verdict.worst,
+                verdict.worst_cost,
+                100.0 * verdict.share
+            );
+        }
+        let (ahead, count, worst, scene) = sum_up(&verdicts);
+        let holds = ahead as f64 >= SHARE * count as f64 && worst <= WORSE;
+        println!(
+            "  lower at every cost on {ahead} of {count} scenes (bound: {:.0}), worst ratio {worst:.3} on {scene} \
+             (bound: {WORSE}): {}",
+            (SHARE * count as f64).ceil(),
+            if holds { "holds" } else { "does not hold" }
+        );
+    }
+}
