@@ -47,6 +47,11 @@ pub struct Verdict {
     pub worst_cost: f64,
     /// Share of the costs, by their logarithms, at which the own error is lower or both are at the floor.
     pub share: f64,
+    /// [`Verdict::is_ahead`] and [`Verdict::worst`] at the costs that both offer: from the own cheapest point on. True
+    /// and 0 when that is dearer than all of the peer's.
+    pub both: (bool, f64),
+    /// The own cheapest cost over the peer's.
+    pub cheapest: f64,
 }
 
 /// Compares; `None` when the peer has no points. Errors below `floor` are as good as it: what is smaller is not
@@ -62,7 +67,9 @@ pub fn verdict(own: &[Point], peer: &[Point], floor: f64) -> Option<Verdict> {
     stairs.retain(|&cost| cost >= first && cost <= last);
     stairs.sort_by(f64::total_cmp);
     stairs.dedup();
-    let mut found = Verdict { is_ahead: true, worst: 0.0, worst_cost: first, share: 0.0 };
+    let start = own.iter().map(|point| point.cost).fold(f64::INFINITY, f64::min);
+    let (both, cheapest) = ((true, 0.0), start / first);
+    let mut found = Verdict { is_ahead: true, worst: 0.0, worst_cost: first, share: 0.0, both, cheapest };
     let whole = (last / first).ln();
     for (place, &cost) in stairs.iter().enumerate() {
         let [ours, theirs] = [own, peer].map(|points| best_within(points, cost).max(floor));
@@ -72,6 +79,9 @@ pub fn verdict(own: &[Point], peer: &[Point], floor: f64) -> Option<Verdict> {
             (found.worst, found.worst_cost) = (ratio, cost);
         }
         found.is_ahead &= is_ahead;
+        if cost >= start {
+            found.both = (found.both.0 && is_ahead, found.both.1.max(ratio));
+        }
         let next = stairs.get(place + 1).copied().unwrap_or(last);
         if is_ahead {
             found.share += if whole > 0.0 { (next / cost).ln() / whole } else { 1.0 };
@@ -163,6 +173,7 @@ mod tests {
         let found = found.expect("there are points");
         assert_eq!((found.worst, found.worst_cost), (f64::INFINITY, 1.0));
         assert!((found.share - 0.5).abs() < 1e-12);
+        assert_eq!((found.both, found.cheapest), ((true, 0.5), 2.0), "from 2 on: 1 / 4, then 1 / 2");
     }
 
     #[test]

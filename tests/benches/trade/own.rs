@@ -25,7 +25,10 @@ impl Filled {
     pub fn new(setup: &Setup, dial: &Settings) -> Self {
         let hulls = u32::from(!setup.hull.is_empty());
         let joints = setup.joints.len() as u32;
-        let capacities = Capacities { joints, hulls, ..Capacities::for_bodies(setup.bodies.len() as u32) };
+        let bodies = setup.bodies.len() as u32;
+        // Boxes of small bodies meet with many neighbours.
+        let (pairs, contacts) = (64 + 32 * bodies, 32 + 16 * bodies);
+        let capacities = Capacities { joints, hulls, pairs, contacts, ..Capacities::for_bodies(bodies) };
         let mut world = world_with(capacities);
         let settings = Settings { dt: setup.dt, gravity: setup.gravity, sleep_time: 0.0, ..*dial };
         world.set_settings(&settings).expect("numbers in range");
@@ -75,7 +78,8 @@ impl Filled {
 
 impl Engine for Filled {
     fn step(&mut self) {
-        self.world.step(&mut Serial);
+        let report = self.world.step(&mut Serial);
+        assert_eq!(report.dropped, 0, "the capacities hold the scene");
     }
 
     fn read(&self, seen: &mut Vec<Seen>) {

@@ -2,7 +2,7 @@
 
 use crate::engine::ENGINES;
 use crate::measure::{Measured, Outcome};
-use crate::table::{number, sum_up, verdicts};
+use crate::table::{all_costs, both, number, sum_up, verdicts};
 use cellstep::Preset;
 use cellstep_tests::trade::{between_markers, csv_line};
 use std::fmt::Write;
@@ -69,11 +69,21 @@ fn section(plots: &str, all: &[Outcome]) -> String {
     preset_table(&mut text, all);
     scene_list(&mut text, all);
     for peer in &ENGINES[1..] {
-        let (ahead, count, worst, scene) = sum_up(&verdicts(all, peer));
-        let worst = if worst.is_finite() { format!("{worst:.2}") } else { "infinite".to_string() };
+        let verdicts = verdicts(all, peer);
+        let [every, shared] = [sum_up(&verdicts, all_costs), sum_up(&verdicts, both)];
+        let ratio =
+            |worst: f64| if worst.is_finite() { format!("{worst:.2}") } else { "infinite".to_string() };
         let words = format!(
-            "\nAgainst {peer}, at every cost between its cheapest and its dearest setting: the error is lower on \
-             {ahead} of {count}\nscenes; the worst ratio is {worst}, on `{scene}`."
+            "\nAgainst {peer}, each with the best that it gives within a cost: the error is lower at every cost between \
+             its\ncheapest and its dearest setting on {} of {} scenes, worst ratio {} (`{}`); at those of these costs that \
+             both\noffer, on {}, worst ratio {} (`{}`).",
+            every.ahead,
+            every.count,
+            ratio(every.worst),
+            every.scene,
+            shared.ahead,
+            ratio(shared.worst),
+            shared.scene
         );
         line(&mut text, &words);
     }

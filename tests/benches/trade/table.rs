@@ -64,12 +64,36 @@ pub fn verdicts<'a>(all: &'a [Outcome], peer: &str) -> Vec<(&'a str, Verdict)> {
     all.iter().filter_map(one).collect()
 }
 
-/// Scenes in which the own error is lower everywhere, all scenes, and the worst ratio with its scene.
-pub fn sum_up<'a>(verdicts: &[(&'a str, Verdict)]) -> (usize, usize, f64, &'a str) {
-    let ahead = verdicts.iter().filter(|(_, verdict)| verdict.is_ahead).count();
-    let worst = verdicts.iter().max_by(|a, b| a.1.worst.total_cmp(&b.1.worst));
-    let (worst, name) = worst.map_or((0.0, ""), |(name, verdict)| (verdict.worst, *name));
-    (ahead, verdicts.len(), worst, name)
+/// Verdicts of a peer over all scenes.
+pub struct Sum<'a> {
+    /// Scenes in which the own error is lower at all costs that count.
+    pub ahead: usize,
+    pub count: usize,
+    /// The worst ratio, and its scene.
+    pub worst: f64,
+    pub scene: &'a str,
+}
+
+/// At every cost between the peer's cheapest and dearest setting.
+pub fn all_costs(verdict: &Verdict) -> (bool, f64) {
+    (verdict.is_ahead, verdict.worst)
+}
+
+/// At the costs of these that both offer.
+pub fn both(verdict: &Verdict) -> (bool, f64) {
+    verdict.both
+}
+
+pub fn sum_up<'a>(verdicts: &[(&'a str, Verdict)], part: fn(&Verdict) -> (bool, f64)) -> Sum<'a> {
+    let mut sum = Sum { ahead: 0, count: verdicts.len(), worst: 0.0, scene: "" };
+    for (name, verdict) in verdicts {
+        let (is_ahead, worst) = part(verdict);
+        sum.ahead += usize::from(is_ahead);
+        if worst > sum.worst {
+            (sum.worst, sum.scene) = (worst, name);
+        }
+    }
+    sum
 }
 
 /// Whether the own frontier is ahead of each peer's, scene by scene.
@@ -78,7 +102,8 @@ pub fn print_verdicts(all: &[Outcome]) {
     println!(
         "Verdict: cellstep's headline error over the peer's, each the best that its engine gives within a cost, at
 every cost between the peer's cheapest and dearest setting. Errors below a scene's floor count as the floor:
-what is measured there is rounding; both at the floor is no loss. `infinite`: nothing own is so cheap, or lost."
+what is measured there is rounding; both at the floor is no loss. `inf`: nothing own is so cheap, or lost.
+Then the same at the costs that both offer, and the own cheapest cost over the peer's."
     );
     for peer in &ENGINES[1..] {
         let verdicts = verdicts(all, peer);
@@ -89,20 +114,33 @@ what is measured there is rounding; both at the floor is no loss. `infinite`: no
         );
         for (name, verdict) in &verdicts {
             println!(
-                "  {name:14}{:>10}{:>10.3}{:>12.0}{:>10.0} %",
-                if verdict.is_ahead { "yes" } else { "no" },
+                "  {name:14}{:>8}{:>10.3}{:>12.0}{:>8.0} %{:>12}{:>10.3}{:>12.2}",
+                yes(verdict.is_ahead),
                 verdict.worst,
                 verdict.worst_cost,
-                100.0 * verdict.share
+                100.0 * verdict.share,
+                yes(verdict.both.0),
+                verdict.both.1,
+                verdict.cheapest
             );
         }
-        let (ahead, count, worst, scene) = sum_up(&verdicts);
-        let holds = ahead as f64 >= SHARE * count as f64 && worst <= WORSE;
-        println!(
-            "  lower at every cost on {ahead} of {count} scenes (bound: {:.0}), worst ratio {worst:.3} on {scene} \
-             (bound: {WORSE}): {}",
-            (SHARE * count as f64).ceil(),
-            if holds { "holds" } else { "does not hold" }
-        );
+        for (at, sum) in
+            [("every cost", sum_up(&verdicts, all_costs)), ("costs of both", sum_up(&verdicts, both))]
+        {
+            let holds = sum.ahead as f64 >= SHARE * sum.count as f64 && sum.worst <= WORSE;
+            println!(
+                "  at {at}: lower on {} of {} scenes (bound: {:.0}), worst ratio {:.3} on {} (bound: {WORSE}): {}",
+                sum.ahead,
+                sum.count,
+                (SHARE * sum.count as f64).ceil(),
+                sum.worst,
+                sum.scene,
+                if holds { "holds" } else { "does not hold" }
+            );
+        }
     }
+}
+
+fn yes(is_so: bool) -> &'static str {
+    if is_so { "yes" } else { "no" }
 }
