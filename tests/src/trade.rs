@@ -47,8 +47,8 @@ pub struct Verdict {
     pub worst_cost: f64,
     /// Share of the costs, by their logarithms, at which the own error is lower or both are at the floor.
     pub share: f64,
-    /// [`Verdict::is_ahead`] and [`Verdict::worst`] at the costs that both offer: from the own cheapest point on. True
-    /// and 0 when that is dearer than all of the peer's.
+    /// [`Verdict::is_ahead`] and [`Verdict::worst`] at the costs that both offer: from the own cheapest point on.
+    /// True and 0 when that is dearer than all of the peer's.
     pub both: (bool, f64),
     /// The own cheapest cost over the peer's.
     pub cheapest: f64,

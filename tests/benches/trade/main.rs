@@ -5,13 +5,13 @@
 //!
 //! Twelve scenes (`scenes.rs`), each with a headline error against a closed form, a known end or what has to stand,
 //! and further errors that are told beside it and never added up. Cost is that of whole steps on one thread, ns per
-//! moving body and simulated second, the median of turns that all configurations take in one process. Equal physics:
-//! the same shapes, masses, friction and restitution, no damping, sleep off, the same length of a step. All
+//! moving body and simulated second, the median of turns that all configurations take in one process. Physics are
+//! equal: the same shapes, masses, friction and restitution, no damping, sleep off, the same length of a step. All
 //! configurations are told with their settings.
 //!
-//! A table for each scene, then the verdict against each peer (`cellstep_tests::trade`), a CSV and plots (SVG) below
-//! the target folder, or in the folder after `--write`, whose parent's parent is that of the README that gets plot and
-//! preset table; that takes all scenes.
+//! Told are a table for each scene, then the verdict against each peer (`cellstep_tests::trade`). CSV and plots (SVG)
+//! are written below the target folder. With `--write docs/trade` they are written there, from the repository's
+//! folder, and the README gets plot, preset table and verdict; that takes all scenes.
 //!
 //! Counts of instructions, which repeat exactly, come from callgrind, by the difference of two runs of one
 //! configuration without measuring: `--run SCENE CONFIGURATION STEPS`, with the name from the table:

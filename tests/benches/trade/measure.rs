@@ -138,15 +138,18 @@ fn costs(scene: &Scene, configs: &[Config]) -> Vec<f64> {
         for k in 0..engines.len() {
             let place = (k + turn * engines.len() / TURNS) % engines.len();
             let Some(engine) = engines[place].as_mut() else { continue };
-            let clock = Instant::now();
-            let run = catch_unwind(AssertUnwindSafe(|| (0..scene.timed).for_each(|_| engine.step())));
-            let spent = clock.elapsed().as_nanos() as f64;
-            if run.is_err() {
+            let warm = if turn == 0 { scene.warm } else { 0 };
+            let run = catch_unwind(AssertUnwindSafe(|| {
+                (0..warm).for_each(|_| engine.step());
+                let clock = Instant::now();
+                (0..scene.timed).for_each(|_| engine.step());
+                clock.elapsed().as_nanos() as f64 / f64::from(scene.timed)
+            }));
+            match run {
+                Ok(spent) => turns[place].push(spent),
                 // It is not stepped again, nor dropped: it may be in any state.
-                std::mem::forget(engines[place].take());
-                continue;
+                Err(_) => std::mem::forget(engines[place].take()),
             }
-            turns[place].push(spent / f64::from(scene.timed));
         }
     }
     let bodies = scene.setup.moving().max(1) as f64;

@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Around what this bench writes into the README.
-pub const MARKERS: [&str; 2] = ["<!-- trade: begin, written by the command below -->", "<!-- trade: end -->"];
+pub const MARKERS: [&str; 2] = ["<!-- trade: begin, written by the bench `trade` -->", "<!-- trade: end -->"];
 /// The command that writes it.
 const COMMAND: &str = "cargo bench -p cellstep-tests --features peers --bench trade -- --write docs/trade";
 
@@ -74,9 +74,9 @@ fn section(plots: &str, all: &[Outcome]) -> String {
         let ratio =
             |worst: f64| if worst.is_finite() { format!("{worst:.2}") } else { "infinite".to_string() };
         let words = format!(
-            "\nAgainst {peer}, each with the best that it gives within a cost: the error is lower at every cost between \
-             its\ncheapest and its dearest setting on {} of {} scenes, worst ratio {} (`{}`); at those of these costs that \
-             both\noffer, on {}, worst ratio {} (`{}`).",
+            "\nAgainst {peer}, each with the best that it gives within a cost: the error is lower at every cost \
+             between its\ncheapest and its dearest setting on {} of {} scenes, worst ratio {} (`{}`); at those of \
+             these costs that both\noffer, on {}, worst ratio {} (`{}`).",
             every.ahead,
             every.count,
             ratio(every.worst),

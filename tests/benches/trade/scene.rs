@@ -257,7 +257,9 @@ pub struct Scene {
     pub kind: Kind,
     /// Steps of the run that is measured for its error.
     pub steps: u32,
-    /// Steps of each of the runs that are timed.
+    /// Steps before the first that are timed.
+    pub warm: u32,
+    /// Steps of each of the turns that are timed.
     pub timed: u32,
     /// Configurations with more substeps are left out, since they would take too long.
     pub substeps_max: u32,

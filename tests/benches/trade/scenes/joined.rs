@@ -48,6 +48,7 @@ pub fn pendula() -> Scene {
         floor: 1.0e-6,
         kind: Kind::Jointed,
         steps: 600,
+        warm: 0,
         timed: 30,
         substeps_max: 64,
         setup: Setup { joints, ..Setup::new(bodies) },
@@ -172,6 +173,7 @@ pub fn chain() -> Scene {
         floor: 1.0e-6,
         kind: Kind::Jointed,
         steps: 600,
+        warm: 0,
         timed: 30,
         substeps_max: 64,
         setup: Setup { joints, ..Setup::new(bodies) },
@@ -211,7 +213,7 @@ impl Probe for Chains {
     }
 }
 
-/// Adds bars from point to point in a plane y = const, hinged to each other in a row; returns the first one's index.
+/// Adds bars from point to point in a plane y = const, hinged in a row; returns the first one's index.
 fn row(setup: &mut Setup, points: &[Wide]) -> usize {
     let first = setup.bodies.len();
     for pair in points.windows(2) {
@@ -293,6 +295,7 @@ pub fn loops() -> Scene {
         floor: 1.0e-6,
         kind: Kind::Jointed,
         steps: 1200,
+        warm: 0,
         timed: 30,
         substeps_max: 64,
         setup,

@@ -34,6 +34,7 @@ pub fn columns() -> Scene {
         floor: 1.0e-6,
         kind: Kind::Touching,
         steps: 600,
+        warm: 0,
         timed: 30,
         substeps_max: 64,
         setup: Setup::new(bodies),
@@ -156,6 +157,7 @@ pub fn structures() -> Scene {
         floor: 1.0e-3,
         kind: Kind::Touching,
         steps: 3600,
+        warm: 0,
         timed: 30,
         substeps_max: 64,
         setup,
@@ -167,7 +169,7 @@ pub fn structures() -> Scene {
     }
 }
 
-/// First bodies of the arch, the overhang (a table and four blocks), the cards and the falling overhang, and the end.
+/// First bodies of the arch, the overhang (a table and four blocks), the cards, the falling overhang; the end.
 const STRUCTURES: [usize; 5] = [1, 1 + STONES, 6 + STONES, 21 + STONES, 26 + STONES];
 
 /// Friction of stones and cards, high enough for the thrust of either.

@@ -28,7 +28,7 @@ fn floor(at: [f64; 2], half: f32, friction: f32) -> Body {
     Body { friction, ..Body::fixed([at[0], at[1], -1.0], Vec3::new(half, half, 1.0)) }
 }
 
-/// Cubes that slide to a stop in 16 directions, balls that slide until they roll in 8, balls that roll down a slope.
+/// Cubes that slide to a stop in 16 directions, balls that slide until they roll in 8, balls on a slope.
 pub fn slide_and_roll() -> Scene {
     let mut bodies = vec![floor([30.0, 30.0], 60.0, 0.4), floor([230.0, 30.0], 60.0, 0.2)];
     for index in 0..SLIDES {
@@ -58,6 +58,7 @@ pub fn slide_and_roll() -> Scene {
         floor: 1.0e-6,
         kind: Kind::Touching,
         steps: 120,
+        warm: 0,
         timed: 20,
         substeps_max: 64,
         setup: Setup::new(bodies),
@@ -140,6 +141,7 @@ pub fn bounce() -> Scene {
         floor: 1.0e-6,
         kind: Kind::Touching,
         steps: 600,
+        warm: 0,
         timed: 60,
         substeps_max: 64,
         setup: Setup::new(bodies),
@@ -207,7 +209,7 @@ const LANES: usize = 4;
 /// Bodies of a set that move.
 const MOVERS: usize = 5;
 
-/// The same motion at the origin and 14 km away, in one world: a cube that slides, a ball that begins to roll, a ball
+/// The same motion at the origin and 14 km away, in one world: a cube that slides, a ball that begins to roll, one
 /// that rolls with 5 cm/s, a box that tumbles through the air, a pendulum. 3 s.
 pub fn far() -> Scene {
     let mut setup = Setup::new(Vec::new());
@@ -240,6 +242,7 @@ pub fn far() -> Scene {
         floor: 1.0e-5,
         kind: Kind::Both,
         steps: 180,
+        warm: 0,
         timed: 30,
         substeps_max: 64,
         setup,
