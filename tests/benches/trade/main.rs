@@ -10,8 +10,8 @@
 //! configurations are told with their settings.
 //!
 //! Told are a table for each scene, then the verdict against each peer (`cellstep_tests::trade`). CSV and plots (SVG)
-//! are written below the target folder. With `--write docs/trade` they are written there, from the repository's
-//! folder, and the README gets plot, preset table and verdict; that takes all scenes.
+//! are written below the target folder. With `--write docs/trade` the plots are written there, from the
+//! repository's folder, and the README gets plot, preset table and verdict; that takes all scenes.
 //!
 //! Counts of instructions, which repeat exactly, come from callgrind, by the difference of two runs of one
 //! configuration without measuring: `--run SCENE CONFIGURATION STEPS`, with the name from the table:
@@ -106,10 +106,12 @@ fn measure(scenes: Vec<Scene>, written: Option<&Path>) {
     }
     table::print_verdicts(&all);
     let below_target = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("trade");
-    let folder = written.map_or(below_target, |folder| root().join(folder));
-    std::fs::create_dir_all(&folder).expect("the folder can be made");
+    let folder = written.map_or(below_target.clone(), |folder| root().join(folder));
+    for folder in [&below_target, &folder] {
+        std::fs::create_dir_all(folder).expect("the folder can be made");
+    }
     println!();
-    println!("{}", report::write_csv(&folder, &all).display());
+    println!("{}", report::write_csv(&below_target, &all).display());
     for path in plots::write(&folder, &all) {
         println!("{}", path.display());
     }

@@ -1,5 +1,5 @@
-//! Plots of error against cost, both logarithmic: a line along the frontier of each engine, a small dot for what is
-//! not on it, and a ring around each preset.
+//! Plots of error against cost, both logarithmic: stairs along the frontier of each engine, which are what a budget
+//! buys, a small dot for what is not on it, and a ring around each preset.
 
 use crate::engine::ENGINES;
 use crate::measure::{Measured, Outcome};
@@ -42,7 +42,7 @@ fn alone(path: &Path, outcome: &Outcome) -> Drawn {
     root.fill(&WHITE)?;
     let (top, panel) = root.split_vertically(LEGEND);
     legend(&top)?;
-    draw(&panel, outcome, Style { title: 13, text: 12, room: (56, 36) })?;
+    draw(&panel, outcome, Style { title: 13, text: 12, room: (56, 36), has_dots: true })?;
     root.present()?;
     Ok(())
 }
@@ -55,7 +55,7 @@ fn overview(path: &Path, all: &[Outcome]) -> Drawn {
     let (top, panels) = root.split_vertically(LEGEND);
     legend(&top)?;
     for (panel, outcome) in panels.split_evenly((rows, COLUMNS)).iter().zip(all) {
-        draw(panel, outcome, Style { title: 13, text: 10, room: (46, 30) })?;
+        draw(panel, outcome, Style { title: 13, text: 10, room: (46, 30), has_dots: false })?;
     }
     root.present()?;
     Ok(())
@@ -80,6 +80,14 @@ struct Style {
     text: i32,
     /// For the labels of the vertical and the horizontal axis, pixels.
     room: (u32, u32),
+    /// Whether what is not on a frontier is shown: the overview is to be a small file.
+    has_dots: bool,
+}
+
+/// The corners of the stairs through points of a frontier.
+fn stairs(best: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let steps = best.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+    steps.chain(best.last().copied()).collect()
 }
 
 /// What a point of the plot is worth: errors end at the scene's floor, lost runs are left out.
@@ -130,8 +138,10 @@ fn draw(panel: &Panel<'_>, outcome: &Outcome, style: Style) -> Drawn {
         let best: Vec<(f64, f64)> =
             frontier(&outcome.points(engine)).into_iter().filter_map(|index| spots[index]).collect();
         let faint = colour.mix(0.45).filled();
-        chart.draw_series(spots.iter().flatten().map(|&spot| Circle::new(spot, 2, faint)))?;
-        chart.draw_series(LineSeries::new(best.iter().copied(), colour.stroke_width(2)))?;
+        if style.has_dots {
+            chart.draw_series(spots.iter().flatten().map(|&spot| Circle::new(spot, 2, faint)))?;
+        }
+        chart.draw_series(LineSeries::new(stairs(&best), colour.stroke_width(2)))?;
         chart.draw_series(best.iter().map(|&spot| Circle::new(spot, 3, colour.filled())))?;
         let presets = own.iter().zip(&spots).filter(|(measured, _)| measured.preset.is_some());
         let rings = presets.filter_map(|(_, spot)| *spot);

@@ -47,24 +47,22 @@ pub fn write_readme(readme: &Path, plots: &str, all: &[Outcome]) {
 }
 
 fn section(plots: &str, all: &[Outcome]) -> String {
-    let mut text = String::new();
-    let line = |text: &mut String, words: &str| writeln!(text, "{words}").expect("strings grow");
-    line(&mut text, &format!("`{COMMAND}`"));
-    line(
-        &mut text,
-        "writes this part, from one run: cost against error of every preset, of a sweep of each knob, and of",
-    );
-    line(
-        &mut text,
-        "other engines at default and at swept settings, on one thread, sleep off, f32. Lines are frontiers,",
-    );
-    line(
-        &mut text,
-        "rings are presets. Each scene has a plot of its own, and all errors beside the headline are in the table",
-    );
-    line(
-        &mut text,
-        &format!("[trade.csv]({plots}/trade.csv).\n\n![cost against error]({plots}/overview.svg)\n"),
+    let link = |outcome: &Outcome| {
+        let name = outcome.scene.name;
+        format!("[{name}]({plots}/{name}.svg)")
+    };
+    let links: Vec<String> = all.iter().map(link).collect();
+    let mut text = format!(
+        "`{COMMAND}`
+writes this part from one run: cost against error of every preset, of a sweep of each knob, and of other engines at
+default and at swept settings, on one thread, sleep off, f32. Lines are frontiers, rings are presets. All settings, and
+all errors beside the headline, are in `trade/trade.csv` below the target folder. By scene:
+{}.
+
+![cost against error]({plots}/overview.svg)
+
+",
+        links.join(",\n")
     );
     preset_table(&mut text, all);
     scene_list(&mut text, all);
@@ -85,7 +83,7 @@ fn section(plots: &str, all: &[Outcome]) -> String {
             ratio(shared.worst),
             shared.scene
         );
-        line(&mut text, &words);
+        writeln!(text, "{words}").expect("strings grow");
     }
     text
 }
