@@ -9,8 +9,8 @@
 //! equal: the same shapes, masses, friction and restitution, no damping, sleep off, the same length of a step. All
 //! configurations are told with their settings.
 //!
-//! Told are a table for each scene, then the verdict against each peer (`cellstep_tests::trade`). CSV and plots (SVG)
-//! are written below the target folder. With `--write docs/trade` the plots are written there, from the
+//! Told are a table for each scene, then the verdict against each peer (`cellstep_tests::trade`). CSV and plots
+//! (SVG) are written below the target folder. With `--write docs/trade` the plots are written there, from the
 //! repository's folder, and the README gets plot, preset table and verdict; that takes all scenes.
 //!
 //! Counts of instructions, which repeat exactly, come from callgrind, by the difference of two runs of one

@@ -54,9 +54,9 @@ fn section(plots: &str, all: &[Outcome]) -> String {
     let links: Vec<String> = all.iter().map(link).collect();
     let mut text = format!(
         "`{COMMAND}`
-writes this part from one run: cost against error of every preset, of a sweep of each knob, and of other engines at
-default and at swept settings, on one thread, sleep off, f32. Lines are frontiers, rings are presets. All settings, and
-all errors beside the headline, are in `trade/trade.csv` below the target folder. By scene:
+writes this part from one run: cost against error of every preset, of a sweep of each knob, and of other engines
+at default and at swept settings, on one thread, sleep off, f32. Lines are frontiers, rings are presets. All
+settings, and all errors beside the headline, are in a CSV, written below the target folder. By scene:
 {}.
 
 ![cost against error]({plots}/overview.svg)

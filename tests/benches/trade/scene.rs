@@ -238,6 +238,7 @@ pub enum Kind {
 }
 
 impl Kind {
+    #[cfg(feature = "peers")]
     pub fn has_joints(self) -> bool {
         matches!(self, Kind::Jointed | Kind::Both)
     }
