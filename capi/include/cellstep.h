@@ -322,6 +322,12 @@ typedef struct {
   float contact_damping_ratio;
   // Fastest push-out of overlap, m/s.
   float push_speed;
+  // How many times the substeps small islands under great load get, 1..=64; 1 for no island.
+  uint32_t refine;
+  // Most dynamic bodies of such an island, 0..=65535.
+  uint32_t refine_bodies;
+  // Sink of a soft contact from which on its island is refined, metres.
+  float refine_sink;
   // Approach speed below which nothing bounces, m/s.
   float restitution_threshold;
   // Target number of links of a block, 8..=4096.
@@ -348,6 +354,8 @@ typedef struct {
   uint32_t bodies;
   // Bodies that were solved.
   uint32_t active;
+  // Of these, bodies that were refined.
+  uint32_t refined;
   // Bodies that sleep.
   uint32_t asleep;
   // Pairs of shapes whose boxes overlap.

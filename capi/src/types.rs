@@ -235,6 +235,12 @@ pub struct CsSettings {
     pub contact_damping_ratio: f32,
     /// Fastest push-out of overlap, m/s.
     pub push_speed: f32,
+    /// How many times the substeps small islands under great load get, 1..=64; 1 for no island.
+    pub refine: u32,
+    /// Most dynamic bodies of such an island, 0..=65535.
+    pub refine_bodies: u32,
+    /// Sink of a soft contact from which on its island is refined, metres.
+    pub refine_sink: f32,
     /// Approach speed below which nothing bounces, m/s.
     pub restitution_threshold: f32,
     /// Target number of links of a block, 8..=4096.
@@ -270,6 +276,9 @@ impl From<Settings> for CsSettings {
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
             push_speed: s.push_speed,
+            refine: s.refine,
+            refine_bodies: s.refine_bodies,
+            refine_sink: s.refine_sink,
             restitution_threshold: s.restitution_threshold,
             block_links: s.block_links,
             sleep_time: s.sleep_time,
@@ -300,6 +309,9 @@ impl CsSettings {
             contact_frequency: self.contact_frequency,
             contact_damping_ratio: self.contact_damping_ratio,
             push_speed: self.push_speed,
+            refine: self.refine,
+            refine_bodies: self.refine_bodies,
+            refine_sink: self.refine_sink,
             restitution_threshold: self.restitution_threshold,
             block_links: self.block_links,
             sleep_time: self.sleep_time,
@@ -322,6 +334,8 @@ pub struct CsReport {
     pub bodies: u32,
     /// Bodies that were solved.
     pub active: u32,
+    /// Of these, bodies that were refined.
+    pub refined: u32,
     /// Bodies that sleep.
     pub asleep: u32,
     /// Pairs of shapes whose boxes overlap.
@@ -352,6 +366,7 @@ impl From<StepReport> for CsReport {
             step: r.step,
             bodies: r.bodies,
             active: r.active,
+            refined: r.refined,
             asleep: r.asleep,
             pairs: r.pairs,
             contacts: r.contacts,

@@ -22,6 +22,7 @@ pub(crate) mod mover;
 pub(crate) mod narrowphase;
 pub(crate) mod ordering;
 pub(crate) mod query_trees;
+pub(crate) mod refine;
 pub(crate) mod rows;
 pub(crate) mod rules;
 pub(crate) mod seat;
@@ -70,6 +71,8 @@ pub(crate) struct Counts {
     pub contacts_before: usize,
     pub dropped_events: u32,
     pub dropped_visits: u32,
+    /// Bodies that are refined.
+    pub refined: u32,
 }
 
 /// The memory of a world, region by region.
@@ -116,10 +119,13 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     events::contacts(state, scratch, &mut counts);
     observer.after(Stage::Narrowphase, &StageView::new(state));
     crew.executor.enter(Stage::Islands);
-    let links = activate(state, (cache, scratch), &mut crew);
+    let links = activate(state, (cache, scratch), settings, &mut crew);
     observer.after(Stage::Islands, &StageView::new(state));
     crew.executor.enter(Stage::Ordering);
     let plan = ordering::run(state, (cache, scratch), (&change, links, settings), scheduler);
+    if state.header[0].refine != 0 {
+        counts.refined = cache.refined.iter().map(|bits| bits.count_ones()).sum();
+    }
     observer.after(Stage::Ordering, &StageView::new(state));
     crew.executor.enter(Stage::Assembly);
     assembly::prepare_bodies(state, scratch, (settings, links.bodies), &mut crew);
@@ -130,7 +136,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     observer.after(Stage::Solve, &StageView::with_rows(state, scratch, &plan));
     crew.executor.enter(Stage::Finish);
     events::hits(state, (cache, scratch), (&plan, settings), &mut counts);
-    let joints = (&plan, links.held(), settings.substep());
+    let joints = (&plan, links, settings);
     joints::store(state, (cache, scratch), joints, (&mut crew, &mut counts));
     finish::run(state, (assets, cache, scratch), (&plan, settings), (&mut crew, &mut counts));
     if counts.quarantined > 0 {
@@ -174,10 +180,11 @@ fn solve<E: Executor>(
     solver::solve(&mut rows, settings, crew);
 }
 
-/// Lists the bodies that take part in the solve, and the links between them.
+/// Lists the bodies that take part in the solve, and the links between them, and brings their tiers up to date.
 fn activate<E: Executor>(
-    state: &State<'_>,
+    state: &mut State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    settings: &Settings,
     crew: &mut Crew<'_, E>,
 ) -> Links {
     let header = &state.header[0];
@@ -190,7 +197,11 @@ fn activate<E: Executor>(
             count += 1;
         }
     }
-    ordering::write_links(state, (cache, scratch), count, crew)
+    let contacts = ordering::write_contacts(state, scratch, crew);
+    let held = ordering::list_held(state, scratch);
+    refine::run(state, scratch, settings, (contacts, held));
+    let loose = ordering::write_joints(state, (cache, scratch), contacts, held);
+    Links { bodies: count, contacts, joints: loose, articulated: held - loose }
 }
 
 fn report(
@@ -203,11 +214,12 @@ fn report(
         step: header.step,
         bodies: header.bodies.count,
         active: bodies,
+        refined: counts.refined,
         asleep: header.asleep,
         pairs: header.pairs,
         contacts: header.contacts,
         joints: header.joints.count,
-        phases: plan.filter(|plan| plan.blocks > 0).map_or(0, |plan| plan.phase_count as u32),
+        phases: plan.filter(|plan| plan.blocks > 0).map_or(0, Plan::phases),
         blocks: plan.map_or(0, |plan| plan.blocks as u32),
         barriers,
         dropped: counts.dropped_pairs + counts.dropped_contacts,

@@ -9,6 +9,8 @@ pub struct StepReport {
     pub bodies: u32,
     /// Bodies that were solved.
     pub active: u32,
+    /// Of these, bodies that were refined: see [`Settings::refine`](crate::Settings::refine).
+    pub refined: u32,
     /// Bodies that sleep at the end of the step.
     pub asleep: u32,
     /// Pairs of shapes whose boxes overlap.

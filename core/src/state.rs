@@ -62,8 +62,8 @@ pub(crate) struct Header {
     pub asleep_contacts: u32,
     /// 1 when some body has to wake, or what it touches.
     pub wakes: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// How many times the substeps the bodies in `refined` have; 0 when there is none.
+    pub refine: u32,
     /// One above the highest row of `materials` in use.
     pub materials: u32,
     /// Rows of `pair_rules` in use.
@@ -79,6 +79,8 @@ pub(crate) struct Header {
     pub hit_shapes: u32,
     /// Rows of `visits` in use.
     pub visits: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 /// Some rows of `tenants` are not zero.
@@ -210,6 +212,8 @@ region! {
         ordering: OrderingRow = 1,
         /// Changes of the ordering near each body.
         dirt: u8 = c.bodies as usize,
+        /// A bit for each body that is refined.
+        refined: u64 = words(c.bodies as usize),
         joints: JointRow = c.joints as usize,
         joint_axes: [AxisRow; 6] = c.joints as usize,
         joint_generations: u32 = c.joints as usize,
@@ -254,6 +258,7 @@ macro_rules! sections_in_use {
             $section!(asleep_contacts, header.asleep_contacts as usize),
             $section!(ordering, 1),
             $section!(dirt, bodies),
+            $section!(refined, $crate::pool::words(bodies)),
             $section!(joints, joints),
             $section!(joint_axes, joints),
             $section!(joint_generations, joints),
@@ -346,6 +351,8 @@ region! {
         articulations: ArticulationRow = c.joints as usize / 2,
         nodes: NodeSpec = nodes_max(c.joints as usize),
         blocks: BlockSpec = blocks_max(c.joints as usize),
+        /// The active bodies that are laid out as refined.
+        refined: u64 = words(c.bodies as usize),
         /// The links that are laid out.
         links: Link = links_max(c),
         plan: Plan = 1,

@@ -2,6 +2,7 @@
 
 pub mod commands;
 pub mod executors;
+pub mod extremes;
 pub mod fuzzing;
 pub mod jointed;
 pub mod mixed;
@@ -9,6 +10,7 @@ pub mod oracles;
 pub mod overlap;
 pub mod reference;
 pub mod schedules;
+pub mod score;
 pub mod simulator;
 pub mod solids;
 pub mod trade;

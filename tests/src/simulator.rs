@@ -399,6 +399,10 @@ impl Simulator {
                 2 | 3 => ContactModel::Split,
                 _ => ContactModel::Soft,
             },
+            refine: 1 + self.random.below(4) as u32,
+            refine_bodies: self.random.below(100) as u32,
+            // Small, so that islands are refined and let go often.
+            refine_sink: [0.0, 1.0e-4, 4.0e-3][self.random.below(3) as usize],
             ..Settings::default()
         }
     }

@@ -4,19 +4,10 @@ use cellstep::math::{Rotation, Vec3, cos, sin};
 use cellstep::{BodyDef, BodyHandle, Geometry, MassProperties, Position, Serial, Settings, ShapeDef};
 use cellstep_tests::executors::Random;
 use cellstep_tests::oracles::{
-    GRAVITY, Wide, apex, center, judge, minus, momenta, norm, plus, relative, spin, spin_momentum, velocity,
+    GRAVITY, Wide, apex, center, minus, momenta, norm, plus, relative, spin, spin_momentum, velocity,
 };
-use cellstep_tests::worlds::{OwnedWorld, add, ground, run, world};
-
-/// Substep of the default settings, seconds.
-const H: f64 = 1.0 / 240.0;
-
-fn without_gravity(bodies: u32) -> OwnedWorld {
-    let mut world = world(bodies);
-    let settings = Settings { gravity: Vec3::ZERO, ..world.settings() };
-    world.set_settings(&settings).expect("settings are in range");
-    world
-}
+use cellstep_tests::score::{Case, Sheet};
+use cellstep_tests::worlds::{OwnedWorld, add, ground, run};
 
 /// A ball of a mass, uniform.
 fn ball(radius: f32, mass: f32) -> (BodyDef, Geometry) {
@@ -31,25 +22,27 @@ fn shape(geometry: Geometry, (friction, restitution): (f32, f32)) -> ShapeDef {
 
 #[test]
 fn head_on_balls_exchange_momentum() {
-    let mut world = without_gravity(2);
-    let mut put = |mass, x, v| {
-        let (def, geometry) = ball(0.5, mass);
-        let def = BodyDef {
-            position: Position::at(Vec3::new(x, 0.0, 0.0)),
-            linear_velocity: Vec3::new(v, 0.0, 0.0),
-            ..def
+    Case::new("head-on balls").run(|sheet| {
+        let mut world = sheet.floating(2);
+        let mut put = |mass, x, v| {
+            let (def, geometry) = ball(0.5, mass);
+            let def = BodyDef {
+                position: Position::at(Vec3::new(x, 0.0, 0.0)),
+                linear_velocity: Vec3::new(v, 0.0, 0.0),
+                ..def
+            };
+            add(&mut world, &def, &shape(geometry, (0.6, 0.5))).0
         };
-        add(&mut world, &def, &shape(geometry, (0.6, 0.5))).0
-    };
-    let (light, heavy) = (put(1.0, -1.0, 2.0), put(3.0, 0.5, 0.0));
-    run(&mut world, 60);
-    judge("head-on, m=1", (velocity(&world, light)[0] + 0.25).abs(), [1.0e-6, 1.0e-4]);
-    judge("head-on, m=3", (velocity(&world, heavy)[0] - 0.75).abs(), [1.0e-6, 1.0e-4]);
+        let (light, heavy) = (put(1.0, -1.0, 2.0), put(3.0, 0.5, 0.0));
+        run(&mut world, 60);
+        sheet.judge("m=1", ((velocity(&world, light)[0] + 0.25).abs(), "m/s"), [1.0e-6, 1.0e-4]);
+        sheet.judge("m=3", ((velocity(&world, heavy)[0] - 0.75).abs(), "m/s"), [1.0e-6, 1.0e-4]);
+    });
 }
 
 /// A hundred bodies that fly at each other from all sides, turning.
-fn storm(restitution: f32) -> (OwnedWorld, Vec<BodyHandle>) {
-    let mut world = without_gravity(100);
+fn storm(sheet: &Sheet, restitution: f32) -> (OwnedWorld, Vec<BodyHandle>) {
+    let mut world = sheet.floating(100);
     let mut random = Random::new(7);
     let mut any = |size: f32| {
         let mut x = || random.between(-size, size);
@@ -90,26 +83,32 @@ fn sums(world: &OwnedWorld, bodies: &[BodyHandle]) -> (Wide, Wide, [f64; 2]) {
 
 #[test]
 fn a_storm_of_collisions_keeps_momentum() {
-    for restitution in [0.0, 0.5] {
-        let (mut world, bodies) = storm(restitution);
-        let (linear, angular, sizes) = sums(&world, &bodies);
-        let (mut worst, mut worst_turning, mut contacts) = (0.0_f64, 0.0_f64, 0);
-        for _ in 0..300 {
-            contacts += world.step(&mut Serial).contacts;
-            let (p, l, _) = sums(&world, &bodies);
-            worst = worst.max(norm(minus(p, linear)) / sizes[0]);
-            worst_turning = worst_turning.max(norm(minus(l, angular)) / sizes[1]);
+    Case::new("collision storm").run(|sheet| {
+        for restitution in [0.0, 0.5] {
+            let (mut world, bodies) = storm(sheet, restitution);
+            let (linear, angular, sizes) = sums(&world, &bodies);
+            let (mut worst, mut worst_turning, mut contacts) = (0.0_f64, 0.0_f64, 0);
+            for _ in 0..300 {
+                contacts += world.step(&mut Serial).contacts;
+                let (p, l, _) = sums(&world, &bodies);
+                worst = worst.max(norm(minus(p, linear)) / sizes[0]);
+                worst_turning = worst_turning.max(norm(minus(l, angular)) / sizes[1]);
+            }
+            assert!(contacts > 3000, "{contacts} contacts are no storm");
+            sheet.judge(&format!("e={restitution}, linear momentum"), (worst, "relative"), [1.0e-6, 1.0e-5]);
+            sheet.judge(
+                &format!("e={restitution}, angular momentum"),
+                (worst_turning, "relative"),
+                [1.0e-5, 1.0e-3],
+            );
         }
-        assert!(contacts > 3000, "{contacts} contacts are no storm");
-        judge(&format!("storm e={restitution}, linear momentum"), worst, [1.0e-6, 1.0e-5]);
-        judge(&format!("storm e={restitution}, angular momentum"), worst_turning, [1.0e-5, 1.0e-3]);
-    }
+    });
 }
 
 /// Plays one ball against another, half a diameter aside. Returns the errors of speed, m/s, and of direction,
 /// degrees, the greater of the two balls'.
 fn play(settings: &Settings) -> (f64, f64) {
-    let mut world = without_gravity(2);
+    let mut world = cellstep_tests::worlds::world(2);
     world.set_settings(settings).expect("settings are in range");
     let place = |x: f32, y: f32| Position::at(Vec3::new(x, y, 0.0));
     let (def, geometry) = ball(0.5, 1.0);
@@ -130,44 +129,50 @@ fn play(settings: &Settings) -> (f64, f64) {
 
 #[test]
 fn billiard_balls_part_at_right_angles() {
-    let floating = Settings { gravity: Vec3::ZERO, ..Settings::default() };
-    let (speed, angle) = play(&Settings { dt: 1.0 / 240.0, substeps: 1, ..floating });
-    judge("billiards, one substep, speed over 5 m/s", speed / 5.0, [1.0e-4, 1.0e-3]);
-    judge("billiards, one substep, direction, degrees", angle, [0.01, 0.05]);
     // Restitution comes at the end of the step. Until then the balls slide along each other, 3 cm here, and the
     // point of contact goes with one of them, so that the other takes some spin: an error of the second order in
     // dt.
-    let (speed, angle) = play(&floating);
-    judge("billiards, four substeps, speed over 5 m/s", speed / 5.0, [1.0e-4, 1.0e-2]);
-    judge("billiards, four substeps, direction, degrees", angle, [0.05, 0.5]);
+    Case::new("billiards").run(|sheet| {
+        let (speed, angle) = play(&Settings { gravity: Vec3::ZERO, ..sheet.settings() });
+        sheet.judge("speed over 5 m/s", (speed / 5.0, "relative"), [1.0e-4, 1.0e-2]);
+        sheet.judge("direction", (angle, "degrees"), [0.05, 0.5]);
+    });
+    Case::new("billiards at 240 steps per second").run_own(|sheet| {
+        let (speed, angle) =
+            play(&Settings { dt: 1.0 / 240.0, substeps: 1, gravity: Vec3::ZERO, ..sheet.settings() });
+        sheet.judge("speed over 5 m/s", (speed / 5.0, "relative"), [1.0e-4, 1.0e-3]);
+        sheet.judge("direction", (angle, "degrees"), [0.01, 0.05]);
+    });
 }
 
 #[test]
 fn a_slender_rod_strikes_the_ground() {
-    let mut world = without_gravity(2);
-    ground(&mut world, 0.0);
-    let (radius, tilt) = (0.01, core::f32::consts::FRAC_PI_6);
-    let inertia = Vec3::new(1.0 / 12.0, 1.0 / 12.0, 1.0e-4);
-    let def = BodyDef {
-        position: Position::at(Vec3::new(0.0, 0.0, 0.5 * sin(tilt) + radius)),
-        // The rod's axis is z; it ends 30 degrees from the ground.
-        rotation: Rotation::from_axis_angle(Vec3::Y, core::f32::consts::FRAC_PI_2 - tilt),
-        linear_velocity: Vec3::new(0.0, 0.0, -3.0),
-        mass: Some(MassProperties { mass: 1.0, inertia, ..MassProperties::default() }),
-        ..BodyDef::default()
-    };
-    let rod = Geometry::Capsule { half_height: 0.5, radius };
-    let (body, _) = add(&mut world, &def, &shape(rod, (0.0, 0.0)));
-    run(&mut world, 1);
-    let impulse = velocity(&world, body)[2] + 3.0;
-    judge("rod, impulse, N s", (impulse - 0.923_077).abs(), [1.0e-4, 1.0e-2]);
-    judge("rod, spin, rad/s", (norm(spin(&world, body)) - 4.796_163).abs(), [1.0e-4, 1.0e-2]);
+    Case::new("slender rod that strikes the ground").run(|sheet| {
+        let mut world = sheet.floating(2);
+        ground(&mut world, 0.0);
+        let (radius, tilt) = (0.01, core::f32::consts::FRAC_PI_6);
+        let inertia = Vec3::new(1.0 / 12.0, 1.0 / 12.0, 1.0e-4);
+        let def = BodyDef {
+            position: Position::at(Vec3::new(0.0, 0.0, 0.5 * sin(tilt) + radius)),
+            // The rod's axis is z; it ends 30 degrees from the ground.
+            rotation: Rotation::from_axis_angle(Vec3::Y, core::f32::consts::FRAC_PI_2 - tilt),
+            linear_velocity: Vec3::new(0.0, 0.0, -3.0),
+            mass: Some(MassProperties { mass: 1.0, inertia, ..MassProperties::default() }),
+            ..BodyDef::default()
+        };
+        let rod = Geometry::Capsule { half_height: 0.5, radius };
+        let (body, _) = add(&mut world, &def, &shape(rod, (0.0, 0.0)));
+        run(&mut world, 1);
+        let impulse = velocity(&world, body)[2] + 3.0;
+        sheet.judge("impulse", ((impulse - 0.923_077).abs(), "N s"), [1.0e-4, 1.0e-2]);
+        sheet.judge("spin", ((norm(spin(&world, body)) - 4.796_163).abs(), "rad/s"), [1.0e-4, 1.0e-2]);
+    });
 }
 
 /// Drops a ball from 5 m for a time. Returns the moment of the first impact and the apex after each.
-fn drop_ball(restitution: f32, steps: u32) -> (f64, Vec<f64>) {
+fn drop_ball(sheet: &Sheet, restitution: f32, steps: u32) -> (f64, Vec<f64>) {
     let radius = 0.5;
-    let mut world = world(2);
+    let mut world = sheet.world(2);
     ground(&mut world, 0.0);
     let (def, geometry) = ball(radius, 1.0);
     let def = BodyDef { position: Position::at(Vec3::new(0.0, 0.0, 5.0 + radius)), ..def };
@@ -183,7 +188,7 @@ fn drop_ball(restitution: f32, steps: u32) -> (f64, Vec<f64>) {
                 let rest = (v + (v * v + 2.0 * GRAVITY * z).sqrt()) / GRAVITY;
                 impact = f64::from(step - 1) / 60.0 + rest;
             }
-            apexes.push(apex(after, up, H));
+            apexes.push(apex(after, up, sheet.substep()));
         }
         falling = up < 0.0;
     }
@@ -192,46 +197,56 @@ fn drop_ball(restitution: f32, steps: u32) -> (f64, Vec<f64>) {
 
 #[test]
 fn bounces_reach_their_heights() {
-    let (impact, apexes) = drop_ball(0.5, 200);
-    judge("drop 5 m e=.5, first impact", relative(impact, 1.009_638), [1.0e-2, 5.0e-2]);
-    for (i, expected) in [1.25, 0.3125, 0.078_125].into_iter().enumerate() {
-        let found = apexes.get(i).copied().expect("the ball bounces");
-        judge(&format!("drop 5 m e=.5, apex {}", i + 1), relative(found, expected), [1.0e-2, 5.0e-2]);
-    }
+    Case::new("drop 5 m, e=.5").run(|sheet| {
+        let (impact, apexes) = drop_ball(sheet, 0.5, 200);
+        sheet.judge("first impact", (relative(impact, 1.009_638), "relative"), [1.0e-2, 5.0e-2]);
+        for (i, expected) in [1.25, 0.3125, 0.078_125].into_iter().enumerate() {
+            let found = apexes.get(i).copied().expect("the ball bounces");
+            sheet.judge(
+                &format!("apex {}", i + 1),
+                (relative(found, expected), "relative"),
+                [1.0e-2, 5.0e-2],
+            );
+        }
+    });
 }
 
 #[test]
 fn full_restitution_neither_gains_nor_loses() {
-    let (_, apexes) = drop_ball(1.0, 1200);
-    assert!(apexes.len() >= 9, "{apexes:?}");
-    let (mut before, mut worst, mut gain) = (5.0, 0.0_f64, 0.0_f64);
-    for &apex in &apexes {
-        worst = worst.max(relative(apex, before));
-        gain = gain.max(apex / 5.0 - 1.0);
-        before = apex;
-    }
-    judge("drop 5 m e=1, change per bounce", worst, [2.0e-3, 2.0e-2]);
-    judge("drop 5 m e=1, gain over all bounces", gain, [2.0e-4, 2.0e-3]);
+    Case::new("drop 5 m, e=1").run(|sheet| {
+        let (_, apexes) = drop_ball(sheet, 1.0, 1200);
+        assert!(apexes.len() >= 9, "{apexes:?}");
+        let (mut before, mut worst, mut gain) = (5.0, 0.0_f64, 0.0_f64);
+        for &apex in &apexes {
+            worst = worst.max(relative(apex, before));
+            gain = gain.max(apex / 5.0 - 1.0);
+            before = apex;
+        }
+        sheet.judge("change per bounce", (worst, "relative"), [2.0e-3, 2.0e-2]);
+        sheet.judge("gain over all bounces", (gain, "relative"), [2.0e-4, 2.0e-3]);
+    });
 }
 
 #[test]
 fn a_box_that_falls_flat_does_not_start_to_spin() {
-    for restitution in [0.0, 0.5, 1.0] {
-        let mut world = world(2);
-        ground(&mut world, 0.6);
-        let turn = 0.3;
-        let def = BodyDef {
-            position: Position::at(Vec3::new(0.0, 0.0, 2.5)),
-            rotation: Rotation::new(0.0, 0.0, sin(turn), cos(turn)),
-            ..BodyDef::default()
-        };
-        let geometry = Geometry::Box { half_extents: Vec3::splat(0.5) };
-        let (body, _) = add(&mut world, &def, &shape(geometry, (0.6, restitution)));
-        let mut worst = 0.0_f64;
-        for _ in 0..60 {
-            world.step(&mut Serial);
-            worst = worst.max(norm(spin(&world, body)));
+    Case::new("box that falls flat").run(|sheet| {
+        for restitution in [0.0, 0.5, 1.0] {
+            let mut world = sheet.world(2);
+            ground(&mut world, 0.6);
+            let turn = 0.3;
+            let def = BodyDef {
+                position: Position::at(Vec3::new(0.0, 0.0, 2.5)),
+                rotation: Rotation::new(0.0, 0.0, sin(turn), cos(turn)),
+                ..BodyDef::default()
+            };
+            let geometry = Geometry::Box { half_extents: Vec3::splat(0.5) };
+            let (body, _) = add(&mut world, &def, &shape(geometry, (0.6, restitution)));
+            let mut worst = 0.0_f64;
+            for _ in 0..60 {
+                world.step(&mut Serial);
+                worst = worst.max(norm(spin(&world, body)));
+            }
+            sheet.judge(&format!("e={restitution}, spin"), (worst, "rad/s"), [1.0e-3, 1.0e-2]);
         }
-        judge(&format!("flat fall e={restitution}, spin, rad/s"), worst, [1.0e-3, 1.0e-2]);
-    }
+    });
 }

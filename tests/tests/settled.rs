@@ -203,9 +203,8 @@ fn two_cubes() -> (OwnedWorld, [(BodyHandle, ShapeHandle); 2]) {
 
 /// Force between two shapes, N; 0 when they do not touch.
 fn force(world: &OwnedWorld, shapes: [ShapeHandle; 2]) -> f64 {
-    let substep = f64::from(world.settings().substep());
     let of = world.contacts().find(|contact| contact.shapes == shapes);
-    of.map_or(0.0, |contact| f64::from(contact.normal_impulse()) / substep)
+    of.map_or(0.0, |contact| f64::from(contact.normal_force()))
 }
 
 fn mass_with_center(mass: f32, center: Vec3) -> MassProperties {

@@ -30,8 +30,7 @@ fn column(settings: &Settings, densities: &[f32], apart: f32) -> (OwnedWorld, Ve
 fn sink(settings: &Settings, densities: &[f32], steps: u32) -> (f64, f64) {
     let (mut world, cubes) = column(settings, densities, 0.0);
     run(&mut world, steps);
-    let substep = f64::from(settings.substep());
-    let mut forces: Vec<f64> = world.contacts().map(|c| f64::from(c.normal_impulse()) / substep).collect();
+    let mut forces: Vec<f64> = world.contacts().map(|c| f64::from(c.normal_force())).collect();
     assert_eq!(forces.len(), cubes.len(), "one contact below each cube");
     forces.sort_unstable_by(f64::total_cmp);
     let (mut above, mut worst) = (0.0, 0.0_f64);

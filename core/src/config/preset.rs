@@ -34,11 +34,11 @@ impl Preset {
 
     /// Turns the dial of some settings: the fields that trade speed for accuracy, and no other.
     pub fn apply(self, settings: &mut Settings) {
-        let (substeps, contact_model) = match self {
-            Self::Fast => (2, ContactModel::Soft),
-            Self::Balanced => (4, ContactModel::Soft),
-            Self::Accurate => (8, ContactModel::Split),
-            Self::Exact => (16, ContactModel::Split),
+        let (substeps, contact_model, refine) = match self {
+            Self::Fast => (2, ContactModel::Soft, 1),
+            Self::Balanced => (4, ContactModel::Soft, super::REFINE),
+            Self::Accurate => (8, ContactModel::Split, 2),
+            Self::Exact => (16, ContactModel::Split, 2),
         };
         *settings = Settings {
             substeps,
@@ -46,6 +46,9 @@ impl Preset {
             sweeps: 1,
             relax_sweeps: 1,
             inner_sweeps: 1,
+            refine,
+            refine_bodies: super::REFINE_BODIES,
+            refine_sink: super::REFINE_SINK,
             contact_frequency: 0.0,
             contact_damping_ratio: super::CONTACT_DAMPING_RATIO,
             ..*settings

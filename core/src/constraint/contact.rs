@@ -221,7 +221,7 @@ fn follow<const N: usize>(
         row.soft_press_mass = press_mass(row.count, row.inertia + soft);
     }
     // Against an immovable body the point rides on the moving one: its arm stays.
-    row.slide = row.slide + moved;
+    row.slide = shift::limited(row.slide + moved, row.slide_min);
     if row.hits != 0 {
         row.turns |= SUMS;
     }

@@ -442,6 +442,11 @@ impl Signature {
     /// In the solver: a plain ball, which has a row of its own format. No joint that holds anything has it.
     pub const PLAIN: Self = Self(0);
 
+    /// The signature in a link's kind, which may say its tier too.
+    pub fn of_kind(kind: u32) -> Self {
+        Self(kind & ((1 << 27) - 1))
+    }
+
     pub fn held(self) -> u32 {
         self.0 & 63
     }

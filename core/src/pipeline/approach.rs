@@ -14,7 +14,7 @@ use crate::collide::cast::frame::{Frame, length, narrowed, widened};
 use crate::collide::cast::sweep::{self, Moving};
 use crate::collide::{self, Manifold, Manifolds, Solid};
 use crate::config::SPECULATIVE_DISTANCE;
-use crate::math::{Pose, Vec3, min};
+use crate::math::{Pose, Vec3, max_each, min, sqrt};
 use crate::pipeline::continuous::{FAST_SHARE, WAY_FLOOR, has_joints, inner_radius};
 use crate::pipeline::meeting::{Meeting, Scene};
 use crate::shape::{GEOMETRY_SPHERE, ShapeRow};
@@ -25,6 +25,9 @@ use glam::DVec3;
 const TURN_MAX: f32 = 0.25;
 /// Sum of squares of turns that is below the square of that one, however it is rounded.
 const TURN_SURE: f32 = 0.99 * TURN_MAX * TURN_MAX;
+
+/// The share of its reach by which a shape that touches may move on in a step and have points farther ahead.
+const SLENDER_SHARE: f32 = 0.25;
 
 /// How far behind the plane of a contact shapes may be that do not touch, metres: rounding.
 const PASS_DEPTH: f32 = 1.0e-5;
@@ -118,7 +121,32 @@ pub(crate) fn collide(
     };
     let touch = Pose::new(pose.position + way, pose.rotation);
     collide::collide(solids.0, solids.1, &touch, SPECULATIVE_DISTANCE, found);
+    if found.len() == 1 && is_plain(solids.0) && is_plain(solids.1) {
+        let (left, reach) = (crate::math::length(motion - way), thinner_reach(solids));
+        // One plane, which is the right one, since they touch there. Of a rod that falls over one end lies on the
+        // floor and the other one comes, fast for its thickness alone: it needs a point, too. What is fast for
+        // its length slides so far that its points are elsewhere by then.
+        if left < SLENDER_SHARE * reach {
+            let ahead = left + sqrt(meeting.turns) * reach;
+            found.clear();
+            collide::collide(solids.0, solids.1, &touch, SPECULATIVE_DISTANCE + ahead, found);
+        }
+    }
     way
+}
+
+/// True for a solid that has one plane of contact with another such.
+fn is_plain(solid: &Solid<'_>) -> bool {
+    !matches!(solid, Solid::Mesh(_) | Solid::HeightField(_) | Solid::Compound(_))
+}
+
+/// How far points of the smaller of two solids are from the origin of its frame, metres.
+fn thinner_reach(solids: (&Solid<'_>, &Solid<'_>)) -> f32 {
+    let reach = |solid: &Solid<'_>| {
+        let bounds = collide::bounds::aabb(solid, &Pose::IDENTITY);
+        crate::math::length(max_each(bounds.min.abs(), bounds.max.abs()))
+    };
+    min(reach(solids.0), reach(solids.1))
 }
 
 /// Of shapes that do not touch on their way, drops the contacts whose plane is crossed all the same: beside a

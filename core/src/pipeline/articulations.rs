@@ -17,7 +17,7 @@ use crate::constraint::joint::{
 };
 use crate::joint::Signature;
 use crate::lanes::LANES;
-use crate::pipeline::layout::{EMPTY, Group};
+use crate::pipeline::layout::{EMPTY, Group, REFINED_KIND};
 use crate::pipeline::sleep::root;
 use crate::pipeline::solver::{JointRows, take};
 use bytemuck::{Pod, Zeroable};
@@ -114,7 +114,12 @@ pub(crate) fn arrange(links: &[Link], tables: &mut Tables<'_>) -> Arrangement {
     let count = find(links, joined, tables);
     let Tables { places, found, members, keys, .. } = tables;
     let of = |&[first, joints]: &[u32; 2]| &members[first as usize..(first + joints) as usize];
-    found[..count].sort_unstable_by(|a, b| b[1].cmp(&a[1]).then(of(a).cmp(of(b))).then(a[0].cmp(&b[0])));
+    // Those of one tier follow one another.
+    let tier = |found: &[u32; 2]| of(found)[0].signature & REFINED_KIND;
+    found[..count].sort_unstable_by(|a, b| {
+        let sizes = tier(a).cmp(&tier(b)).then(b[1].cmp(&a[1]));
+        sizes.then(of(a).cmp(of(b))).then(a[0].cmp(&b[0]))
+    });
     places[..links.len()].fill(0);
     for &[first, joints] in &found[..count] {
         keys[first as usize..(first + joints) as usize].iter().for_each(|&key| places[rank_of(key)] = EMPTY);
@@ -134,7 +139,7 @@ pub(crate) fn arrange(links: &[Link], tables: &mut Tables<'_>) -> Arrangement {
 fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {
     // What holds nothing without bounds (a rope) has no row in a matrix.
     for (place, link) in tables.places.iter_mut().zip(links) {
-        *place = u32::from(Signature(link.kind).lock_rows() == 0);
+        *place = u32::from(Signature::of_kind(link.kind).lock_rows() == 0);
     }
     unite(links, tables, |stays, _| stays == 0);
     // What each joint's whole component is like, before the sets are made anew.

@@ -2,7 +2,7 @@
 
 use crate::body::{BodyRow, Motion};
 use crate::cells::Link;
-use crate::config::{CONTACT_COUPLING, ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
+use crate::config::{ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
 use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::joint::{AxisRow, JointRow};
@@ -12,14 +12,14 @@ use crate::math::{PI, Vec3};
 use crate::pipeline::articulations::Patterns;
 use crate::pipeline::continuous::has_joints;
 use crate::pipeline::integration::root_and_whitened;
-use crate::pipeline::layout::{Group, Plan};
+use crate::pipeline::layout::{Group, Plan, REFINED, TIERS};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take, take_resists};
 use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{balls, events, joints};
+use crate::pipeline::{balls, events, joints, refine};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
 use bytemuck::Zeroable;
@@ -51,7 +51,7 @@ pub(crate) struct Scene<'a> {
     pub joint_slots: &'a [u32],
     /// Index among the active bodies by slot.
     pub active_of: &'a [u32],
-    pub softness: &'a Softnesses,
+    pub softness: Softnesses,
     pub bias: Bias,
     pub substep: f32,
     pub dt: f32,
@@ -60,6 +60,7 @@ pub(crate) struct Scene<'a> {
 }
 
 /// Softness of contacts between dynamic bodies, and with immovable ones.
+#[derive(Clone, Copy)]
 pub(crate) struct Softnesses {
     pub dynamic: Softness,
     pub immovable: Softness,
@@ -89,9 +90,7 @@ impl Softness {
         if settings.contact_model == ContactModel::Rigid {
             return Self { bias_rate: RIGID_PUSH / h, mass_scale: 1.0, give: 0.0 };
         }
-        let frequency =
-            if settings.contact_frequency > 0.0 { settings.contact_frequency } else { CONTACT_COUPLING / h };
-        let w = 2.0 * PI * frequency * factor;
+        let w = 2.0 * PI * settings.frequency() * factor;
         let a = 2.0 * settings.contact_damping_ratio + h * w;
         let c = h * w * a;
         Self { bias_rate: w / a, mass_scale: c / (1.0 + c), give: 1.0 / c }
@@ -107,12 +106,13 @@ pub(crate) fn prepare_bodies<E: Executor>(
 ) {
     let share = chunk(bodies, PREPARE_BODIES);
     let mut tasks: Tasks<&mut [Active]> = scratch.active[..bodies].chunks_mut(share).collect();
-    let substep = settings.substep();
+    let substeps = [0, REFINED].map(|tier| settings.of_tier(tier).substep());
     let gravity = settings.gravity;
     crew.run(Stage::Assembly, &mut tasks, |active| {
         for active in active.iter_mut() {
             let slot = active.body as usize;
             let (row, motion) = (&state.bodies[slot], &state.motions[slot]);
+            let substep = substeps[refine::tier_of(state, active.body)];
             let locks = row.locks();
             let principal = principal_rotation(motion, row);
             (active.stiffening, active.linear, active.angular) = (Vec3::ZERO, motion.linear, motion.angular);
@@ -138,8 +138,7 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
-    let softness = Softnesses::new(settings);
-    let scene = Scene {
+    let scenes = [0, REFINED].map(|tier| settings.of_tier(tier)).map(|settings| Scene {
         bodies: state.bodies,
         motions: state.motions,
         shapes: state.shapes,
@@ -156,18 +155,18 @@ pub(crate) fn fill<E: Executor>(
         first_joints: state.first_joints,
         joint_slots: scratch.joint_slots,
         active_of: scratch.active_of,
-        softness: &softness,
-        bias: solver::bias(settings),
+        softness: Softnesses::new(&settings),
+        bias: solver::bias(&settings),
         substep: settings.substep(),
         dt: settings.dt,
         hits: events::measures_hits(state),
-    };
+    });
     let groups = &mut cache.groups[..plan.groups];
     let (mut links, mut points) =
         (&mut scratch.link_rows[..plan.rows], &mut scratch.point_rows[..plan.points]);
     let (mut first_points, mut resists) = (&mut scratch.row_points[..plan.rows], &mut *scratch.resist_rows);
     let mut seats = &mut scratch.seats[..plan.seats];
-    let mut movers = &mut scratch.movers[..plan.phases[0].seats as usize / LANES];
+    let mut movers = &mut scratch.movers[..plan.moving / LANES];
     let mut joints = JointRows {
         balls: &mut scratch.ball_rows[..plan.balls],
         links: &mut scratch.joint_links[..plan.joints - plan.balls],
@@ -200,7 +199,7 @@ pub(crate) fn fill<E: Executor>(
         };
         push(&mut tasks, task);
     }
-    crew.run(Stage::Assembly, &mut tasks, |task| task.fill(&scene, &lanes));
+    crew.run(Stage::Assembly, &mut tasks, |task| task.fill(&scenes, &lanes));
 }
 
 /// What lies in which lane, and in which seat.
@@ -228,11 +227,12 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    fn fill(&mut self, scene: &Scene<'_>, lanes: &Lanes<'_>) {
+    fn fill(&mut self, scenes: &[Scene<'_>; TIERS], lanes: &Lanes<'_>) {
         let (mut links, mut points) = (&mut *self.links, &mut *self.points);
         let (mut firsts, mut resists) = (&mut *self.first_points, &mut *self.resists);
         let (mut seats, mut movers) = (&mut *self.seats, &mut *self.movers);
         for group in self.groups.iter_mut() {
+            let scene = &scenes[group.tier as usize];
             let own_seats = take(&mut seats, group.seats as usize);
             let bodies = &lanes.seat_bodies[group.first_seat as usize..][..own_seats.len()];
             let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });

@@ -2,6 +2,7 @@
 
 use crate::body::{BodyKind, turned_frame};
 use crate::cells::{IMMOVABLE, UNORDERED};
+use crate::config::Settings;
 use crate::constraint::joint::{
     BallRow, Bound, BoundRow, FAR, JointLink, LIMIT_PUSH, LOCK_PUSH, LockRow, bounds_of, locks_of, place,
     weigh, wrench,
@@ -13,11 +14,13 @@ use crate::lanes::{LANES, LaneVec};
 use crate::math::{PI, Pose, Rotation, Vec3, length, min};
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::{along_axes, split_frame, square_roots};
-use crate::pipeline::layout::{EMPTY, Group, Plan};
+use crate::pipeline::layout::{EMPTY, Group, Plan, REFINED, TIERS};
 use crate::pipeline::mover;
+use crate::pipeline::ordering::Links;
 use crate::pipeline::solver::{JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{Counts, balls, events};
+use crate::pool::is_used;
 use crate::shape::BOX_STALE;
 use crate::state::{Cache, Scratch, State, mark_shapes, principal_rotation};
 use bytemuck::Zeroable;
@@ -332,7 +335,7 @@ impl Sight<'_> {
 pub(crate) fn store<E: Executor>(
     state: &mut State<'_>,
     (cache, scratch): (&Cache<'_>, &mut Scratch<'_>),
-    (plan, joints, substep): (&Plan, usize, f32),
+    (plan, links, settings): (&Plan, Links, &Settings),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) {
     struct Task<'a> {
@@ -346,12 +349,14 @@ pub(crate) fn store<E: Executor>(
         axes: &'a mut [[AxisRow; 6]],
         broken: u32,
     }
+    let joints = links.held();
     if joints == 0 {
         return;
     }
+    let rates = [0, REFINED].map(|tier| 1.0 / settings.of_tier(tier).substep());
     index_rows(&cache.groups[..plan.groups], scratch.joint_links, scratch.joint_firsts);
     if plan.joints > plan.balls {
-        measure_wrenches(scratch, (&cache.groups[..plan.groups], plan), substep, crew);
+        measure_wrenches(scratch, (&cache.groups[..plan.groups], plan), rates, crew);
     }
     let share = chunk(joints, STORE_JOINTS);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
@@ -369,14 +374,16 @@ pub(crate) fn store<E: Executor>(
         links: scratch.joint_links,
         locks: scratch.lock_rows,
         bounds: scratch.bound_rows,
-        rate: 1.0 / substep,
         firsts: scratch.joint_firsts,
     };
+    let (has_tiers, refined) = (state.header[0].refine != 0, &*state.refined);
     crew.run(Stage::Finish, &mut tasks, |task| {
         for (&slot, &place) in task.slots.iter().zip(task.order) {
             let i = (slot - task.first) as usize;
             let joint = &mut task.rows[i];
-            results.store(joint, &mut task.axes[i], cache.joint_places[place as usize] as usize);
+            let end = scratch.slot_links[links.contacts + place as usize].a;
+            let rate = rates[usize::from(has_tiers && is_used(refined, end))];
+            results.store((joint, &mut task.axes[i]), cache.joint_places[place as usize] as usize, rate);
             task.broken += u32::from(joint.has(BROKEN));
         }
     });
@@ -392,9 +399,13 @@ pub(crate) fn store<E: Executor>(
 fn measure_wrenches<E: Executor>(
     scratch: &mut Scratch<'_>,
     (groups, plan): (&[Group], &Plan),
-    substep: f32,
+    rates: [f32; TIERS],
     crew: &mut Crew<'_, E>,
 ) {
+    struct Task<'a> {
+        groups: &'a [Group],
+        rows: JointRows<'a>,
+    }
     let mut rows = JointRows {
         balls: &mut scratch.ball_rows[..plan.balls],
         links: &mut scratch.joint_links[..plan.joints - plan.balls],
@@ -403,17 +414,23 @@ fn measure_wrenches<E: Executor>(
         nodes: &mut scratch.node_rows[..plan.nodes],
         blocks: &mut scratch.block_rows[..plan.matrix_blocks],
     };
-    let mut tasks: Tasks<JointRows<'_>> =
-        groups.chunks(chunk(groups.len(), 1)).map(|groups| rows.take_all(groups)).collect();
+    let mut tasks: Tasks<Task<'_>> = groups
+        .chunks(chunk(groups.len(), 1))
+        .map(|groups| Task { groups, rows: rows.take_all(groups) })
+        .collect();
     crew.run(Stage::Finish, &mut tasks, |task| {
-        let (mut locks, mut bounds) = (&*task.locks, &*task.bounds);
-        for link in task.links.iter_mut() {
-            let signature = link.signature();
-            let (own_locks, rest) = locks.split_at(signature.lock_rows());
-            locks = rest;
-            let (own_bounds, rest) = bounds.split_at(signature.bound_rows());
-            bounds = rest;
-            (link.turn_push, link.turn_a) = wrench(link, (own_locks, own_bounds), substep);
+        for group in task.groups {
+            let rows = task.rows.take(group);
+            let (mut locks, mut bounds) = (&*rows.locks, &*rows.bounds);
+            for link in rows.links {
+                let signature = link.signature();
+                let (own_locks, rest) = locks.split_at(signature.lock_rows());
+                locks = rest;
+                let (own_bounds, rest) = bounds.split_at(signature.bound_rows());
+                bounds = rest;
+                let rate = rates[group.tier as usize];
+                (link.turn_push, link.turn_a) = wrench(link, (own_locks, own_bounds), rate);
+            }
         }
     });
 }
@@ -488,15 +505,14 @@ struct Results<'a> {
     locks: &'a [LockRow],
     bounds: &'a [BoundRow],
     firsts: &'a [[u32; 3]],
-    /// Substeps in a second.
-    rate: f32,
 }
 
 impl Results<'_> {
-    fn store(&self, joint: &mut JointRow, axes: &mut [AxisRow; 6], place: usize) {
+    /// `rate`: substeps in a second.
+    fn store(&self, (joint, axes): (&mut JointRow, &mut [AxisRow; 6]), place: usize, rate: f32) {
         let (row, lane) = (self.firsts[place / LANES], place % LANES);
         if row[1] == EMPTY {
-            balls::store(&self.balls[row[0] as usize], lane, (joint, self.rate));
+            balls::store(&self.balls[row[0] as usize], lane, (joint, rate));
         } else {
             self.store_link((joint, axes), row, lane);
             if !(joint.is_finite() && axes.iter().all(AxisRow::is_finite)) {

@@ -7,15 +7,21 @@
 //!
 //! Joints come before contacts, and have rows of their own, in which all lanes have the same signature; a lane
 //! whose chain has no such joint left is empty there.
+//!
+//! Bodies that are refined, and their links, make a *tier* of their own, with phases of its own: it is solved after
+//! the others, in more substeps. The first phases of both tiers come first, so that all movers lie in a row.
+
+mod joints;
 
 use crate::cells::{Block, IMMOVABLE, Link, PHASES_MAX};
-use crate::joint::Signature;
 use crate::lanes::LANES;
 use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::seat::OWN;
 use crate::pipeline::tasks::TASKS_MAX;
+use crate::pool::is_used;
 use crate::world::Capacities;
 use bytemuck::{Pod, Zeroable};
+use joints::{lay_out_articulations, list_joints, place_joints};
 
 /// Links for which a phase gets another group.
 const GROUP_LINKS: usize = 512;
@@ -32,6 +38,7 @@ pub(crate) const EMPTY: u32 = u32::MAX;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Group {
+    /// 0 for the first phase of its tier, in which its bodies move.
     pub phase: u32,
     pub first_seat: u32,
     pub seats: u32,
@@ -57,6 +64,34 @@ pub(crate) struct Group {
     pub nodes: u32,
     pub first_block: u32,
     pub blocks: u32,
+    /// Index of the tier.
+    pub tier: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// The tier of bodies that are refined; those that are not have tier 0.
+pub(crate) const REFINED: usize = 1;
+/// Tiers: bodies that share their substeps.
+pub(crate) const TIERS: usize = 2;
+
+/// The phases of a tier.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Tier {
+    /// Those of the ordering that have links of the tier, then that of articulations if there are any.
+    pub phases: [Phase; PHASES_MAX + 1],
+    /// At least 1 when the tier has a body.
+    pub phase_count: usize,
+    /// Links of the tier.
+    pub links: usize,
+}
+
+impl Tier {
+    /// The phases in their order.
+    pub fn phases(&self) -> &[Phase] {
+        &self.phases[..self.phase_count]
+    }
 }
 
 /// Groups of one phase.
@@ -73,10 +108,9 @@ pub(crate) struct Phase {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Plan {
-    /// Those of the ordering, then that of articulations if there are any.
-    pub phases: [Phase; PHASES_MAX + 1],
-    /// At least 1 when there is an active body.
-    pub phase_count: usize,
+    pub tiers: [Tier; TIERS],
+    /// Seats of the first phases of all tiers: those of the bodies that move.
+    pub moving: usize,
     pub groups: usize,
     pub seats: usize,
     pub rows: usize,
@@ -93,6 +127,13 @@ pub(crate) struct Plan {
     pub blocks: usize,
 }
 
+impl Plan {
+    /// Phases of the tier that has the most.
+    pub fn phases(&self) -> u32 {
+        self.tiers.iter().map(|tier| tier.phase_count as u32).max().unwrap_or(0)
+    }
+}
+
 /// The kind of a contact's link, to which 4 less its points is added, and 4 when a surface of it acts; those below
 /// are signatures of joints.
 const CONTACT_KIND: u32 = 1 << 27;
@@ -103,6 +144,9 @@ pub(crate) fn contact_kind(points: usize, acts: bool) -> u32 {
     CONTACT_KIND + 4 - points as u32 + 4 * u32::from(acts)
 }
 
+/// Added to the kind of a joint that is refined: articulations of two tiers are not alike.
+pub(crate) const REFINED_KIND: u32 = 1 << 28;
+
 /// The points of a contact by its kind.
 fn points_of(link: &Link) -> u32 {
     4 - (link.kind - CONTACT_KIND) % 4
@@ -112,7 +156,7 @@ fn points_of(link: &Link) -> u32 {
 pub(crate) const fn groups_max(c: &Capacities) -> usize {
     let articulations = c.joints as usize / 2;
     let articulations = if articulations < LINK_GROUPS_MAX { articulations } else { LINK_GROUPS_MAX };
-    PHASES_MAX + links_max(c) / GROUP_LINKS + c.bodies as usize / GROUP_BODIES + 2 + articulations
+    TIERS * (PHASES_MAX + 2 + articulations) + links_max(c) / GROUP_LINKS + c.bodies as usize / GROUP_BODIES
 }
 
 /// Most links of a step: contacts, then joints.
@@ -140,9 +184,20 @@ pub(crate) struct Schedule<'a> {
     pub contacts: u32,
     /// Contacts and loose joints.
     pub order: &'a [u32],
-    pub articulations: &'a [ArticulationRow],
-    pub blocks: &'a [Block],
+    /// By tier.
+    pub articulations: [&'a [ArticulationRow]; TIERS],
+    /// By tier, and by phase.
+    pub blocks: [&'a [Block]; TIERS],
     pub bodies: u32,
+    /// A bit for each body that is refined, by active body; empty when none is.
+    pub refined: &'a [u64],
+}
+
+impl Schedule<'_> {
+    /// The tier of an active body.
+    fn tier(&self, body: u32) -> usize {
+        usize::from(!self.refined.is_empty() && is_used(self.refined, body))
+    }
 }
 
 /// Where the layout is written.
@@ -169,38 +224,27 @@ pub(crate) struct Tables<'a> {
 
 /// Lays out a schedule. Seats, rows and points come phase by phase, group by group.
 pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>) -> Plan {
-    let mut plan = Plan {
-        phases: [Phase::default(); PHASES_MAX + 1],
-        phase_count: 0,
-        groups: 0,
-        seats: 0,
-        rows: 0,
-        points: 0,
-        joints: 0,
-        balls: 0,
-        locks: 0,
-        bounds: 0,
-        nodes: 0,
-        matrix_blocks: 0,
-        blocks: schedule.blocks.len(),
-    };
-    tables.last_seats[..schedule.bodies as usize].fill(OWN);
-    tables.phase_seats[..schedule.bodies as usize].fill(OWN);
-    let mut blocks = schedule.blocks;
-    while plan.phase_count == 0 || !blocks.is_empty() {
-        let phase = plan.phase_count as u32;
-        let count = blocks.iter().take_while(|block| block.phase == phase).count();
-        assert!(count > 0 || phase == 0, "phases ascend without gaps");
-        let (own, rest) = blocks.split_at(count);
-        blocks = rest;
-        lay_out_phase(schedule, own, tables, &mut plan);
+    let mut plan = Plan { blocks: schedule.blocks.iter().map(|blocks| blocks.len()).sum(), ..Plan::zeroed() };
+    let bodies = schedule.bodies as usize;
+    tables.last_seats[..bodies].fill(OWN);
+    tables.phase_seats[..bodies].fill(OWN);
+    let mut left = schedule.blocks;
+    let tiers = if schedule.refined.is_empty() { 1 } else { TIERS };
+    for (tier, blocks) in left[..tiers].iter_mut().enumerate() {
+        lay_out_phase(schedule, cut_phase(blocks), tables, (&mut plan, tier));
     }
-    if !schedule.articulations.is_empty() {
-        lay_out_articulations(schedule, tables, &mut plan);
+    plan.moving = plan.seats;
+    tables.first_seats[..bodies].copy_from_slice(&tables.phase_seats[..bodies]);
+    for (tier, blocks) in left[..tiers].iter_mut().enumerate() {
+        while !blocks.is_empty() {
+            lay_out_phase(schedule, cut_phase(blocks), tables, (&mut plan, tier));
+        }
+        if !schedule.articulations[tier].is_empty() {
+            lay_out_articulations(schedule, tables, (&mut plan, tier));
+        }
     }
-    // What phase 0 pulls from: the last seat of each body, unless it is its only one.
-    let first = plan.phases[0].seats as usize;
-    for seat in 0..first {
+    // What the first phase pulls from: the last seat of each body, unless it is its only one.
+    for seat in 0..plan.moving {
         let body = tables.seat_bodies[seat];
         if body != IMMOVABLE {
             let last = tables.last_seats[body as usize];
@@ -210,9 +254,23 @@ pub(crate) fn lay_out(schedule: &Schedule<'_>, tables: &mut Tables<'_>) -> Plan 
     plan
 }
 
-fn lay_out_phase(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<'_>, plan: &mut Plan) {
+/// Cuts the blocks of the first phase off; none of none.
+fn cut_phase<'a>(blocks: &mut &'a [Block]) -> &'a [Block] {
+    let phase = blocks.first().map_or(0, |block| block.phase);
+    let (own, rest) = blocks.split_at(blocks.iter().take_while(|block| block.phase == phase).count());
+    *blocks = rest;
+    own
+}
+
+fn lay_out_phase(
+    schedule: &Schedule<'_>,
+    blocks: &[Block],
+    tables: &mut Tables<'_>,
+    (plan, tier): (&mut Plan, usize),
+) {
     let first_seat = plan.seats;
     let first_group = plan.groups;
+    let phase = plan.tiers[tier].phase_count as u32;
     let links: usize = blocks.iter().map(|block| block.count as usize).sum();
     // A group takes eight chains, and a chain a block at least: few long blocks make no more groups.
     let group_count = links.div_ceil(GROUP_LINKS).min(blocks.len().div_ceil(LANES)).min(LINK_GROUPS_MAX);
@@ -221,7 +279,7 @@ fn lay_out_phase(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<
     for g in 0..group_count {
         let rows = loads[g * LANES..(g + 1) * LANES].iter().copied().max().unwrap_or(0);
         tables.groups[plan.groups] =
-            Group { phase: plan.phase_count as u32, first_row: plan.rows as u32, rows, ..Group::zeroed() };
+            Group { phase, tier: tier as u32, first_row: plan.rows as u32, rows, ..Group::zeroed() };
         tables.lane_contacts[plan.rows..plan.rows + rows as usize].fill([EMPTY; LANES]);
         plan.groups += 1;
         plan.rows += rows as usize;
@@ -231,79 +289,23 @@ fn lay_out_phase(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<
     for g in first_group..plan.groups {
         seat_group(schedule, tables, (plan, g), first_seat as u32);
     }
-    if plan.phase_count == 0 {
-        seat_free_bodies(schedule.bodies, tables, plan);
-        let bodies = schedule.bodies as usize;
-        tables.first_seats[..bodies].copy_from_slice(&tables.phase_seats[..bodies]);
+    if phase == 0 {
+        seat_free_bodies(schedule, tables, (plan, tier));
     }
-    end_phase(plan, first_group, first_seat);
+    plan.tiers[tier].links += links;
+    end_phase((plan, tier), first_group, first_seat);
 }
 
 /// Notes the groups and seats of a phase that is laid out.
-fn end_phase(plan: &mut Plan, first_group: usize, first_seat: usize) {
-    plan.phases[plan.phase_count] = Phase {
+fn end_phase((plan, tier): (&mut Plan, usize), first_group: usize, first_seat: usize) {
+    let own = &mut plan.tiers[tier];
+    own.phases[own.phase_count] = Phase {
         first_group: first_group as u32,
         groups: (plan.groups - first_group) as u32,
         first_seat: first_seat as u32,
         seats: (plan.seats - first_seat) as u32,
     };
-    plan.phase_count += 1;
-}
-
-/// Lays out the articulations in a phase of their own, after the others: joints follow one another row by row.
-fn lay_out_articulations(schedule: &Schedule<'_>, tables: &mut Tables<'_>, plan: &mut Plan) {
-    let (first_seat, first_group) = (plan.seats, plan.groups);
-    let share = schedule.articulations.len().div_ceil(LINK_GROUPS_MAX);
-    for (i, rows) in schedule.articulations.chunks(share).enumerate() {
-        let mut group = Group {
-            phase: plan.phase_count as u32,
-            first_row: plan.rows as u32,
-            first_joint: plan.joints as u32,
-            first_ball: plan.balls as u32,
-            first_lock: plan.locks as u32,
-            first_bound: plan.bounds as u32,
-            first_articulation: (i * share) as u32,
-            articulations: rows.len() as u32,
-            first_node: plan.nodes as u32,
-            first_block: plan.matrix_blocks as u32,
-            ..Group::zeroed()
-        };
-        for row in rows {
-            place_articulations(schedule, tables, plan, row);
-        }
-        group.joints = plan.joints as u32 - group.first_joint;
-        group.locks = plan.locks as u32 - group.first_lock;
-        group.bounds = plan.bounds as u32 - group.first_bound;
-        group.nodes = plan.nodes as u32 - group.first_node;
-        group.blocks = plan.matrix_blocks as u32 - group.first_block;
-        tables.groups[plan.groups] = group;
-        plan.groups += 1;
-        seat_group(schedule, tables, (plan, first_group + i), first_seat as u32);
-    }
-    end_phase(plan, first_group, first_seat);
-}
-
-/// Writes the joints of a row of articulations to their rows and lanes.
-fn place_articulations(
-    schedule: &Schedule<'_>,
-    tables: &mut Tables<'_>,
-    plan: &mut Plan,
-    articulations: &ArticulationRow,
-) {
-    for k in 0..articulations.joints {
-        let lanes = articulations.first.map(|first| if first == EMPTY { EMPTY } else { first + k });
-        for (lane, &joint) in lanes.iter().enumerate().filter(|&(_, &joint)| joint != EMPTY) {
-            tables.joint_places[joint as usize] = (plan.joints * LANES + lane) as u32;
-        }
-        let signature = Signature(schedule.links[(schedule.contacts + lanes[0]) as usize].kind);
-        tables.lane_joints[plan.joints] = lanes;
-        plan.joints += 1;
-        plan.locks += signature.lock_rows();
-        plan.bounds += signature.bound_rows();
-    }
-    plan.nodes += articulations.nodes as usize;
-    plan.matrix_blocks += articulations.blocks as usize;
-    plan.blocks += articulations.first.iter().filter(|&&first| first != EMPTY).count();
+    own.phase_count += 1;
 }
 
 /// Deals blocks to chains, each to the chain with the least links, the first of equals; long blocks come first.
@@ -340,93 +342,6 @@ fn sink(heap: &mut [(u32, u32)], entry: (u32, u32)) {
         at = next;
     }
     heap[at] = entry;
-}
-
-/// Number of joints of a block: they come first in it.
-fn joints_of(schedule: &Schedule<'_>, block: &Block) -> u32 {
-    let links = &schedule.order[block.first as usize..(block.first + block.count) as usize];
-    links.iter().take_while(|&&link| link >= schedule.contacts).count() as u32
-}
-
-/// Bits of a key of a joint, from the highest: group 7, signature 27, lane 3, place in the order 27.
-const LANE_SHIFT: u32 = 27;
-const SIGNATURE_SHIFT: u32 = 30;
-const GROUP_SHIFT: u32 = 57;
-
-/// Writes a key for each joint of a phase, and takes them off the loads of their chains. Returns how many they are.
-fn list_joints(
-    schedule: &Schedule<'_>,
-    blocks: &[Block],
-    tables: &mut Tables<'_>,
-    loads: &mut [u32; LINK_GROUPS_MAX * LANES],
-) -> usize {
-    let mut count = 0;
-    if schedule.order.len() as u32 == schedule.contacts {
-        return count;
-    }
-    for (block, &chain) in blocks.iter().zip(&*tables.block_chains) {
-        let joints = joints_of(schedule, block);
-        loads[chain as usize] -= joints;
-        let (group, lane) = (u64::from(chain) / LANES as u64, u64::from(chain) % LANES as u64);
-        for place in block.first..block.first + joints {
-            let signature = u64::from(schedule.links[schedule.order[place as usize] as usize].kind);
-            tables.joint_keys[count] =
-                group << GROUP_SHIFT | signature << SIGNATURE_SHIFT | lane << LANE_SHIFT | u64::from(place);
-            count += 1;
-        }
-    }
-    tables.joint_keys[..count].sort_unstable();
-    count
-}
-
-/// Writes each joint to its row and lane: rows of one signature after those of another.
-fn place_joints(
-    schedule: &Schedule<'_>,
-    tables: &mut Tables<'_>,
-    (plan, first_group): (&mut Plan, usize),
-    joints: usize,
-) {
-    let mut lengths = [0_u32; LANES];
-    let mut before = u64::MAX;
-    let mut base = plan.joints as u32;
-    for i in 0..joints {
-        let key = tables.joint_keys[i];
-        let group = &mut tables.groups[first_group + (key >> GROUP_SHIFT) as usize];
-        if key >> SIGNATURE_SHIFT != before {
-            before = key >> SIGNATURE_SHIFT;
-            (base, lengths) = (plan.joints as u32, [0; LANES]);
-        }
-        if group.joints == 0 {
-            group.first_joint = plan.joints as u32;
-            group.first_ball = plan.balls as u32;
-            (group.first_lock, group.first_bound) = (plan.locks as u32, plan.bounds as u32);
-        }
-        let lane = (key >> LANE_SHIFT) as usize % LANES;
-        let row = base + lengths[lane];
-        lengths[lane] += 1;
-        if row as usize == plan.joints {
-            let link = &schedule.links[schedule.order[order_of(key)] as usize];
-            let signature = Signature(link.kind);
-            tables.lane_joints[plan.joints] = [EMPTY; LANES];
-            let is_ball = signature == Signature::PLAIN;
-            plan.joints += 1;
-            plan.balls += usize::from(is_ball);
-            plan.locks += signature.lock_rows();
-            plan.bounds += signature.bound_rows();
-            group.joints += 1;
-            group.balls += u32::from(is_ball);
-            group.locks += signature.lock_rows() as u32;
-            group.bounds += signature.bound_rows() as u32;
-        }
-        let joint = schedule.order[order_of(key)] - schedule.contacts;
-        tables.lane_joints[row as usize][lane] = joint;
-        tables.joint_places[joint as usize] = row * LANES as u32 + lane as u32;
-    }
-}
-
-/// The place in the order that a key of a joint names.
-fn order_of(key: u64) -> usize {
-    (key & ((1 << LANE_SHIFT) - 1)) as usize
 }
 
 /// Writes each contact to its row and lane. Links and contacts have the same indices.
@@ -534,20 +449,24 @@ fn take_seat(body: u32, tables: &mut Tables<'_>, plan: &mut Plan, phase_first_se
     seat
 }
 
-/// Seats the bodies that no link of phase 0 has.
-fn seat_free_bodies(bodies: u32, tables: &mut Tables<'_>, plan: &mut Plan) {
-    let free = tables.phase_seats[..bodies as usize].iter().filter(|&&seat| seat == OWN).count();
+/// Seats the bodies of a tier that no link of its first phase has.
+fn seat_free_bodies(schedule: &Schedule<'_>, tables: &mut Tables<'_>, (plan, tier): (&mut Plan, usize)) {
+    let is_free = |tables: &Tables<'_>, body: u32| {
+        tables.phase_seats[body as usize] == OWN && schedule.tier(body) == tier
+    };
+    let free = (0..schedule.bodies).filter(|&body| is_free(tables, body)).count();
     if free == 0 {
         return;
     }
     let share = GROUP_BODIES.max(free.div_ceil(FREE_GROUPS_MAX));
     let (mut open, mut left) = (0, free);
-    for body in 0..bodies {
-        if tables.phase_seats[body as usize] != OWN {
+    for body in 0..schedule.bodies {
+        if !is_free(tables, body) {
             continue;
         }
         if open == 0 {
             tables.groups[plan.groups] = Group {
+                tier: tier as u32,
                 first_seat: plan.seats as u32,
                 first_row: plan.rows as u32,
                 first_point: plan.points as u32,

@@ -3,15 +3,16 @@
 //! The ordering is state; a step touches what contacts that began or ended have changed of it. Where none did, and
 //! every contact has as many points as before, the layout of the step before serves again.
 
-use crate::cells::{self, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDERED, Upkeep};
+use crate::cells::{self, Block, IMMOVABLE, Link, NEW, OrderingState, Scheduler, UNORDERED, Upkeep};
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
 use crate::joint::Signature;
 use crate::joint::{BROKEN, JointRow};
+use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::contacts::Change;
-use crate::pipeline::layout::{self, Plan};
+use crate::pipeline::layout::{self, Plan, REFINED_KIND, TIERS};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{articulations, balls};
+use crate::pipeline::{articulations, balls, refine};
 use crate::state::{
     Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
 };
@@ -29,16 +30,21 @@ pub(crate) fn run<S: Scheduler>(
 ) -> Plan {
     let (count, all) = (links.contacts + links.joints, links.contacts + links.held());
     let kept = keep(state, (cache, scratch), (change, links), settings.block_links);
+    let refined = note_refined(state, scratch, links.bodies);
+    let same_tiers = scratch.active_refined[..refined] == cache.refined[..refined]
+        && cache.refined[refined..].iter().all(|&bits| bits == 0);
     let header = &cache.header[0];
     let same_size = header.laid_out as usize == all + 1 && header.laid_out_bodies as usize == links.bodies;
-    if kept && scheduler.is_none() && same_size && cache.links[..all] == scratch.links[..all] {
+    if kept && scheduler.is_none() && same_size && same_tiers && cache.links[..all] == scratch.links[..all] {
         return cache.plan[0];
     }
     // A layout by another ordering serves one step only.
     cache.header[0].laid_out = if scheduler.is_none() { all as u32 + 1 } else { 0 };
     cache.header[0].laid_out_bodies = links.bodies as u32;
     let blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
-    let plan = lay_out(cache, scratch, (links, blocks));
+    let plan = lay_out(state, (cache, scratch), (links, blocks), refined);
+    cache.refined.fill(0);
+    cache.refined[..refined].copy_from_slice(&scratch.active_refined[..refined]);
     cache.links[..all].copy_from_slice(&scratch.links[..all]);
     cache.plan[0] = plan;
     plan
@@ -210,15 +216,33 @@ fn schedule<S: Scheduler>(
     schedule.block_count
 }
 
-fn lay_out(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, (links, blocks): (Links, usize)) -> Plan {
+fn lay_out(
+    state: &State<'_>,
+    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
+    (links, blocks): (Links, usize),
+    refined: usize,
+) -> Plan {
     let count = links.contacts + links.joints;
+    let blocks = &mut scratch.blocks[..blocks];
+    let articulations = &cache.articulations[..cache.header[0].articulations as usize];
+    let (mut cut, mut cut_articulations) = (blocks.len(), articulations.len());
+    if refined > 0 {
+        let tier = |link: u32| refine::tier_of(state, scratch.slot_links[link as usize].a);
+        let of_block = |block: &Block| tier(scratch.order[block.first as usize]);
+        // Blocks follow one another in the order.
+        blocks.sort_unstable_by_key(|block| (of_block(block), block.first));
+        cut = blocks.partition_point(|block| of_block(block) == 0);
+        let of_row = |row: &ArticulationRow| tier(links.contacts as u32 + row.first[0]);
+        cut_articulations = articulations.iter().take_while(|row| of_row(row) == 0).count();
+    }
     let schedule = layout::Schedule {
         links: &scratch.links[..links.contacts + links.held()],
         contacts: links.contacts as u32,
         order: &scratch.order[..count],
-        articulations: &cache.articulations[..cache.header[0].articulations as usize],
-        blocks: &scratch.blocks[..blocks],
+        articulations: articulations.split_at(cut_articulations).into(),
+        blocks: <[&[Block]; TIERS]>::from(blocks.split_at(cut)),
         bodies: links.bodies as u32,
+        refined: &scratch.active_refined[..refined],
     };
     let mut tables = layout::Tables {
         groups: cache.groups,
@@ -239,14 +263,26 @@ fn lay_out(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, (links, blocks): (L
     layout::lay_out(&schedule, &mut tables)
 }
 
-/// Writes the links of the step, between active bodies for the layout and between slots for the ordering: contacts,
-/// then joints that hold a dynamic body, by place.
-pub(crate) fn write_links<E: Executor>(
+/// Notes which of the active bodies are refined. Returns the number of words: none where no body is.
+fn note_refined(state: &State<'_>, scratch: &mut Scratch<'_>, bodies: usize) -> usize {
+    if state.header[0].refine == 0 {
+        return 0;
+    }
+    let words = crate::pool::words(bodies);
+    scratch.active_refined[..words].fill(0);
+    for (i, active) in scratch.active[..bodies].iter().enumerate() {
+        scratch.active_refined[i / 64] |= (refine::tier_of(state, active.body) as u64) << (i % 64);
+    }
+    words
+}
+
+/// Writes the links of the step's contacts, between active bodies for the layout and between slots for the
+/// ordering. Returns how many they are.
+pub(crate) fn write_contacts<E: Executor>(
     state: &State<'_>,
-    (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    bodies: usize,
+    scratch: &mut Scratch<'_>,
     crew: &mut Crew<'_, E>,
-) -> Links {
+) -> usize {
     struct Task<'a> {
         rows: &'a [ContactRow],
         touches: &'a [Touch],
@@ -272,9 +308,7 @@ pub(crate) fn write_links<E: Executor>(
                 link_of(slots, active_of, layout::contact_kind(row.tag.points(), touch.settled < 0.0));
         }
     });
-    drop(tasks);
-    let (joints, articulated) = write_joints(state, (cache, scratch), count);
-    Links { bodies, contacts: count, joints, articulated }
+    count
 }
 
 /// A link between active bodies, and between slots. The first end moves.
@@ -285,13 +319,19 @@ fn link_of(slots: [u32; 2], active_of: &[u32], kind: u32) -> (Link, Link) {
     (Link { a: active[0], b: active[1], kind }, Link { a: slots[0], b, kind })
 }
 
-/// Writes the links of joints after the contacts. Returns how many are loose, and how many articulated.
-fn write_joints(
+/// Writes the links of joints that hold a dynamic body after the contacts, by place. Returns how many are loose.
+pub(crate) fn write_joints(
     state: &State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     contacts: usize,
-) -> (usize, usize) {
-    let held = list_held(state, scratch);
+    held: usize,
+) -> usize {
+    if state.header[0].refine != 0 {
+        for link in &mut scratch.held_links[..held] {
+            let slot = if link.a == IMMOVABLE { link.b } else { link.a };
+            link.kind |= refine::tier_of(state, slot) as u32 * REFINED_KIND;
+        }
+    }
     let loose = arrange(cache, scratch, held);
     let active_of = &*scratch.active_of;
     for (rank, &slot) in scratch.held_slots[..held].iter().enumerate() {
@@ -299,19 +339,21 @@ fn write_joints(
         scratch.joint_slots[place] = slot;
         let link = scratch.held_links[rank];
         let is_plain = place < loose && balls::is_plain(state, &state.joints[slot as usize], &link);
-        let Link { a, b, kind } =
-            Link { kind: if is_plain { Signature::PLAIN.0 } else { link.kind }, ..link };
+        let Link { a, b, kind } = Link {
+            kind: if is_plain { Signature::PLAIN.0 } else { Signature::of_kind(link.kind).0 },
+            ..link
+        };
         let (a, b) = if a == IMMOVABLE { (b, a) } else { (a, b) };
         let active = |body: u32| active_of.get(body as usize).copied().unwrap_or(IMMOVABLE);
         let i = contacts + place;
         scratch.links[i] = Link { a: active(a), b: active(b), kind };
         scratch.slot_links[i] = Link { a, b, kind };
     }
-    (loose, held - loose)
+    loose
 }
 
 /// Lists the joints that hold a dynamic body, ascending, and their links. Returns how many they are.
-fn list_held(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
+pub(crate) fn list_held(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
     let active_of = &*scratch.active_of;
     let mut held = 0;
     for slot in crate::pool::iterate(state.joint_used, state.header[0].joints.high) {

@@ -194,7 +194,8 @@ pub(super) fn root(islands: &mut [u32], body: u32) -> u32 {
     at
 }
 
-fn unite(islands: &mut [u32], a: u32, b: u32) {
+/// Makes the sets of two bodies one.
+pub(super) fn unite(islands: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root(islands, a), root(islands, b));
     islands[a.max(b) as usize] = a.min(b);
 }

@@ -13,10 +13,10 @@ use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::pipeline::articulations::Patterns;
-use crate::pipeline::layout::{Group, Plan};
+use crate::pipeline::layout::{Group, Phase, Plan, REFINED, Tier};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::{OtherSeats, Seat};
-use crate::pipeline::tasks::{Crew, Tasks, push};
+use crate::pipeline::tasks::{ALONE_CONTACTS, Crew, Tasks, push};
 
 /// Rows and seats of a step, in solver order.
 pub(crate) struct Rows<'a> {
@@ -118,8 +118,24 @@ pub(crate) fn bias(settings: &Settings) -> Bias {
     Bias { rate: 1.0 / settings.substep(), push_speed: settings.push_speed }
 }
 
-/// Solves and integrates the step.
+/// Solves and integrates the step, tier by tier.
 pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew: &mut Crew<'_, E>) {
+    let plan = rows.plan;
+    for (index, tier) in plan.tiers.iter().enumerate().filter(|(_, tier)| tier.phase_count > 0) {
+        let was_alone = crew.is_alone;
+        // What is refined are small islands: few of them are not worth a barrier.
+        crew.is_alone |= index == REFINED && tier.links < ALONE_CONTACTS as usize;
+        solve_tier(rows, (index, tier), &settings.of_tier(index), crew);
+        crew.is_alone = was_alone;
+    }
+}
+
+fn solve_tier<E: Executor>(
+    rows: &mut Rows<'_>,
+    (index, tier): (usize, &Tier),
+    settings: &Settings,
+    crew: &mut Crew<'_, E>,
+) {
     let substep = settings.substep();
     let splits = settings.contact_model == ContactModel::Split;
     let nudges = rows.plan.joints > 0 || splits;
@@ -136,43 +152,53 @@ pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew:
     let (sweeps, relax_sweeps) = (settings.sweeps, settings.relax_sweeps);
     // The last sweep of a substep is plain.
     let visits = |is_last: bool| if is_last { 1 } else { settings.inner_sweeps };
-    run_sweep(rows, &sweep(Pass::Warm, 1), Motion::PushFirst, crew);
-    for index in 0..settings.substeps {
-        let first = if index == 0 { Motion::None } else { Motion::PushAgain };
+    run_sweep((rows, tier), &sweep(Pass::Warm, 1), Motion::PushFirst, crew);
+    for substep in 0..settings.substeps {
+        let first = if substep == 0 { Motion::None } else { Motion::PushAgain };
         for k in 0..sweeps {
             let biased = sweep(Pass::Biased, visits(relax_sweeps == 0 && k + 1 == sweeps));
-            run_sweep(rows, &biased, if k == 0 { first } else { Motion::None }, crew);
+            run_sweep((rows, tier), &biased, if k == 0 { first } else { Motion::None }, crew);
         }
         let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
-        run_sweep(rows, &sweep(pass, visits(relax_sweeps <= 1)), Motion::Advance, crew);
+        run_sweep((rows, tier), &sweep(pass, visits(relax_sweeps <= 1)), Motion::Advance, crew);
         for k in 1..relax_sweeps {
-            run_sweep(rows, &sweep(Pass::RelaxAgain, visits(k + 1 == relax_sweeps)), Motion::None, crew);
+            run_sweep(
+                (rows, tier),
+                &sweep(Pass::RelaxAgain, visits(k + 1 == relax_sweeps)),
+                Motion::None,
+                crew,
+            );
         }
     }
-    if rows.groups.iter().any(|group| group.bounces != 0) {
-        run_sweep(rows, &sweep(Pass::Bounce, 1), Motion::None, crew);
+    if rows.groups.iter().any(|group| group.bounces != 0 && group.tier as usize == index) {
+        run_sweep((rows, tier), &sweep(Pass::Bounce, 1), Motion::None, crew);
     }
 }
 
-fn run_sweep<E: Executor>(rows: &mut Rows<'_>, sweep: &Sweep, motion: Motion, crew: &mut Crew<'_, E>) {
-    for phase in 0..rows.plan.phase_count {
-        run_phase(rows, sweep, if phase == 0 { motion } else { Motion::None }, (phase, crew));
+fn run_sweep<E: Executor>(
+    (rows, tier): (&mut Rows<'_>, &Tier),
+    sweep: &Sweep,
+    motion: Motion,
+    crew: &mut Crew<'_, E>,
+) {
+    for (index, phase) in tier.phases().iter().enumerate() {
+        run_phase((rows, phase), sweep, if index == 0 { motion } else { Motion::None }, crew);
     }
 }
 
 fn run_phase<E: Executor>(
-    rows: &mut Rows<'_>,
+    (rows, phase): (&mut Rows<'_>, &Phase),
     sweep: &Sweep,
     motion: Motion,
-    (index, crew): (usize, &mut Crew<'_, E>),
+    crew: &mut Crew<'_, E>,
 ) {
-    let phase = rows.plan.phases[index];
     let (first, end) = (phase.first_seat as usize, (phase.first_seat + phase.seats) as usize);
     let (before, rest) = rows.seats[..rows.plan.seats].split_at_mut(first);
     let (own, after) = rest.split_at_mut(end - first);
     let others = OtherSeats { before, after, end };
     let groups = &rows.groups[phase.first_group as usize..(phase.first_group + phase.groups) as usize];
-    let movers = if index == 0 { &mut rows.movers[..end / LANES] } else { &mut [] };
+    let moves = first < rows.plan.moving;
+    let movers = if moves { &mut rows.movers[first / LANES..end / LANES] } else { &mut [] };
     let links = (&mut *rows.links, &mut *rows.resists);
     let parts =
         ((own, &rows.sources[first..end], movers), (links, &mut *rows.points, rows.joints.reborrow()));

@@ -108,7 +108,7 @@ const HEADER: &[Field] = fields!(Header {
     asleep_pairs: U32 1,
     asleep_contacts: U32 1,
     wakes: U32 1,
-    reserved: U32 1,
+    refine: U32 1,
     materials: U32 1,
     pair_rules: U32 1,
     events: U32 1,
@@ -116,6 +116,7 @@ const HEADER: &[Field] = fields!(Header {
     sensors: U32 1,
     hit_shapes: U32 1,
     visits: U32 1,
+    reserved: U32 1,
 });
 /// Where the settings lie in the header.
 const SETTINGS: usize = offset_of!(Header, settings);
@@ -243,6 +244,7 @@ const NEWS: &[Field] = fields!(BodyNews { moved: U64 1, called: U64 1, slept: U6
 
 const GENERATION: &[Field] = &[plain("generation", FieldKind::U32)];
 const USED: &[Field] = &[plain("used", FieldKind::U64)];
+const REFINED: &[Field] = &[plain("refined", FieldKind::U64)];
 const DIRT: &[Field] = &[plain("dirt", FieldKind::U8)];
 const FIRST_JOINT: &[Field] = &[plain("first_joint", FieldKind::U32)];
 
@@ -260,6 +262,7 @@ fn fields_of(section: &str) -> [(&'static [Field], usize); 2] {
         "contacts" | "asleep_contacts" => CONTACT,
         "ordering" => ORDERING,
         "dirt" => DIRT,
+        "refined" => REFINED,
         "joints" => JOINT,
         "joint_axes" => AXIS,
         "first_joints" => FIRST_JOINT,

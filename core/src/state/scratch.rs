@@ -15,6 +15,7 @@ use crate::pipeline::continuous::Stop;
 use crate::pipeline::layout::{links_max, mover_rows_max, seats_max};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::seat::Seat;
+use crate::pool::words;
 use bytemuck::{Pod, Zeroable};
 
 /// The box of a shape over the way of the step, and a ball: what may touch.
@@ -156,6 +157,10 @@ region! {
         woken: u32 = c.contacts as usize,
         /// Sets of bodies that are joined by links, by slot.
         islands: u32 = c.bodies as usize,
+        /// Bodies of a set, at its least body.
+        island_sizes: u32 = c.bodies as usize,
+        /// A bit for each active body that is refined.
+        active_refined: u64 = words(c.bodies as usize),
         /// What becomes of a body or of its island, by slot.
         marks: u8 = c.bodies as usize,
         /// Bodies of the links that ended.

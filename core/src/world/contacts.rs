@@ -32,12 +32,20 @@ pub struct Contact {
     pub twist: f32,
     /// Impulse of the torque on the second body that resists rolling and spinning, N m s in the world.
     pub resistance: Vec3,
+    /// Length of the substeps in which the impulses act, seconds: shorter where an island is refined (see
+    /// [`Settings::refine`](crate::Settings::refine)).
+    pub substep: f32,
 }
 
 impl Contact {
-    /// Sum of the normal impulses, N s: divided by the substep it is the normal force.
+    /// Sum of the normal impulses, N s.
     pub fn normal_impulse(&self) -> f32 {
         self.impulses[..self.points as usize].iter().fold(0.0, |sum, x| sum + x)
+    }
+
+    /// The normal force in the last substep, N.
+    pub fn normal_force(&self) -> f32 {
+        self.normal_impulse() / self.substep
     }
 }
 
@@ -94,6 +102,12 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let body_generations = spans.body_generations.of(self.state());
         let shapes = spans.shapes.of(self.state());
         let slots = [row.pair.a, row.pair.b];
+        let (bodies, refined) = (spans.bodies.of(self.state()), spans.refined.of(self.state()));
+        let is_refined = self.header().refine != 0
+            && slots
+                .map(|slot| shapes[slot as usize].body)
+                .into_iter()
+                .any(|body| bodies[body as usize].is_dynamic() && pool::is_used(refined, body));
         Contact {
             shapes: slots.map(|index| ShapeHandle { index, generation: shape_generations[index as usize] }),
             bodies: slots.map(|slot| {
@@ -106,6 +120,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             friction: row.friction,
             twist: row.twist,
             resistance: if row.can_resist() { row.resistance() } else { Vec3::ZERO },
+            substep: self.settings().of_tier(usize::from(is_refined)).substep(),
         }
     }
 

@@ -10,7 +10,7 @@ use super::snapshot::{Done, Section, check_content, parts};
 use crate::arena::Line;
 use crate::body::{self, BodyKind, BodyRow, Motion};
 use crate::cells::CELLULAR_PHASES_MAX;
-use crate::config::{SECTOR_MAX, SECTOR_REACH};
+use crate::config::{SECTOR_MAX, SECTOR_REACH, SUBSTEPS_MAX};
 use crate::error::{Error, SnapshotError};
 use crate::event::{BodyNews, EventRow, Tenant, Visit};
 use crate::joint::{AxisRow, JointRow};
@@ -74,6 +74,7 @@ struct Parts<'a> {
     asleep_pairs: Rows<'a, Pair>,
     asleep_contacts: Rows<'a, ContactRow>,
     dirt: Rows<'a, u8>,
+    refined: Rows<'a, u64>,
     joints: Rows<'a, JointRow>,
     joint_axes: Rows<'a, [AxisRow; 6]>,
     joint_generations: Rows<'a, u32>,
@@ -132,6 +133,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             asleep_contacts,
             _,
             dirt,
+            refined,
             joints,
             joint_axes,
             joint_generations,
@@ -158,6 +160,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             asleep_pairs: Rows::new(asleep_pairs),
             asleep_contacts: Rows::new(asleep_contacts),
             dirt: Rows::new(dirt),
+            refined: Rows::new(refined),
             joints: Rows::new(joints),
             joint_axes: Rows::new(joint_axes),
             joint_generations: Rows::new(joint_generations),
@@ -193,7 +196,15 @@ impl Parts<'_> {
         let header = &self.header;
         let settings = header.settings.read().is_some();
         let counters = header.step < COUNTER_MAX && header.static_version < COUNTER_MAX;
-        require(settings && counters && header.reserved == 0 && header.pairs_stale <= 3, "header", 0)?;
+        require(
+            settings
+                && counters
+                && header.reserved == 0
+                && header.refine <= SUBSTEPS_MAX
+                && header.pairs_stale <= 3,
+            "header",
+            0,
+        )?;
         check_pool(&header.bodies, &self.body_used, &self.body_generations, limits.bodies, "body_used")?;
         check_pool(&header.shapes, &self.shape_used, &self.shape_generations, limits.shapes, "shape_used")?;
         for slot in 0..header.bodies.high {
@@ -202,6 +213,7 @@ impl Parts<'_> {
         for slot in 0..header.shapes.high {
             require(self.shape_holds(slot, limits), "shapes", slot)?;
         }
+        self.check_refined()?;
         self.check_materials()?;
         self.check_lists()?;
         self.check_pairs()?;
@@ -209,6 +221,17 @@ impl Parts<'_> {
         self.check_sleep(&limits.tables)?;
         self.check_joints(limits)?;
         self.check_events()
+    }
+
+    /// Bits of bodies alone, and some if and only if the header says so.
+    fn check_refined(&self) -> Checked {
+        let mut any = false;
+        for word in 0..crate::pool::words(self.header.bodies.high as usize) as u32 {
+            let bits = self.refined.get(word);
+            require(bits & !self.body_used.get(word) == 0, "refined", word)?;
+            any |= bits != 0;
+        }
+        require(any == (self.header.refine != 0), "refined", 0)
     }
 
     fn body_is_used(&self, slot: u32) -> bool {

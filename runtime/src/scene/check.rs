@@ -115,6 +115,7 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
         ("contact_frequency", doc.contact_frequency, 1.0e5),
         ("contact_damping_ratio", doc.contact_damping_ratio, 1.0e3),
         ("push_speed", doc.push_speed, 1.0e4),
+        ("refine_sink", doc.refine_sink, 1.0e4),
         ("restitution_threshold", doc.restitution_threshold, 1.0e4),
         ("sleep_time", doc.sleep_time, 3600.0),
         ("sleep_speed", doc.sleep_speed, 1.0e4),
@@ -127,6 +128,8 @@ fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
         ("sweeps", doc.sweeps, 1, 1024),
         ("relax_sweeps", doc.relax_sweeps, 0, 1024),
         ("inner_sweeps", doc.inner_sweeps, 1, 64),
+        ("refine", doc.refine, 1, 64),
+        ("refine_bodies", doc.refine_bodies, 0, 65_535),
         ("block_links", doc.block_links, 8, 4096),
     ];
     for (name, value, low, high) in counts {

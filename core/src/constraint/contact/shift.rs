@@ -15,6 +15,22 @@ pub(super) struct Shift {
     pub(super) any: bool,
 }
 
+/// Square of how many times the least slide that matters a slide may be: twice the arms.
+const SLIDE_MAX: f32 = 4.0e6;
+
+/// A slide that is no longer than twice the bodies' arms: what flies on past the other one at thousands
+/// of metres per second has no point of contact with it there, and a lever of its whole way would throw both.
+#[inline(always)]
+pub(super) fn limited(slide: LaneVec, slide_min: Lane) -> LaneVec {
+    let (square, most) = (slide.dot(slide), slide_min * Lane::splat(SLIDE_MAX));
+    let far = square.greater(most);
+    if !far.any() {
+        return slide;
+    }
+    let one = Lane::splat(1.0);
+    slide.times(far.select((most / far.select(square, one)).sqrt(), one))
+}
+
 impl Shift {
     /// None.
     pub(super) const NONE: Self = Self {

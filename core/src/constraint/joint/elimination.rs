@@ -154,7 +154,8 @@ impl Elimination {
                 joint: joint.map_or(NONE, |joint| joint as u32),
                 end: members.iter().flat_map(|m| m.bodies).position(|b| b as usize == node).unwrap_or(0)
                     as u32,
-                size: joint.map_or(6, |joint| Signature(members[joint].signature).lock_rows() as u32),
+                size: joint
+                    .map_or(6, |joint| Signature::of_kind(members[joint].signature).lock_rows() as u32),
                 first_block: first as u32,
                 blocks: (count - first) as u32,
             };

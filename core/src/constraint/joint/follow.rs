@@ -231,10 +231,10 @@ fn pass_locks(row: &mut BoundRow, locks: &[LockRow], masses: LaneVec) {
 pub(crate) fn wrench(
     link: &JointLink,
     (locks, bounds): (&[LockRow], &[BoundRow]),
-    substep: f32,
+    rate: f32,
 ) -> (LaneVec, LaneVec) {
     let signature = link.signature();
-    let rate = Lane::splat(1.0 / substep);
+    let rate = Lane::splat(rate);
     let [push, ..] = efforts(locks, bounds);
     let mut torque = LaneVec::ZERO;
     if signature.is_gear() {

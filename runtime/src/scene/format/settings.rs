@@ -34,6 +34,15 @@ pub struct SettingsDoc {
     /// Greatest speed at which overlap is pushed out, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub push_speed: Option<f32>,
+    /// How many times the substeps small islands under great load get; 1 for no island.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine: Option<u32>,
+    /// Most dynamic bodies of such an island.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine_bodies: Option<u32>,
+    /// Sink of a soft contact from which on its island is refined, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine_sink: Option<f32>,
     /// Slower approaches do not bounce, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution_threshold: Option<f32>,
@@ -85,6 +94,9 @@ impl SettingsDoc {
         set(&mut settings.contact_frequency, self.contact_frequency);
         set(&mut settings.contact_damping_ratio, self.contact_damping_ratio);
         set(&mut settings.push_speed, self.push_speed);
+        set(&mut settings.refine, self.refine);
+        set(&mut settings.refine_bodies, self.refine_bodies);
+        set(&mut settings.refine_sink, self.refine_sink);
         set(&mut settings.restitution_threshold, self.restitution_threshold);
         set(&mut settings.block_links, self.block_links);
         set(&mut settings.sleep_time, self.sleep_time);
