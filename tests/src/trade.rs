@@ -30,6 +30,12 @@ pub fn frontier(points: &[Point]) -> Vec<usize> {
     order
 }
 
+/// The corners of the staircase through the costs and errors of a frontier, the cheapest first.
+pub fn stairs(best: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let steps = best.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+    steps.chain(best.last().copied()).collect()
+}
+
 /// The least error that a budget buys; infinite when nothing is so cheap.
 pub fn best_within(points: &[Point], budget: f64) -> f64 {
     points.iter().filter(|point| point.cost <= budget).map(|point| point.error).fold(f64::INFINITY, f64::min)
@@ -136,6 +142,14 @@ mod tests {
         assert_eq!(frontier(&all), [1, 4, 3]);
         assert!(frontier(&[]).is_empty());
         assert!(frontier(&points(&[(1.0, f64::INFINITY)])).is_empty(), "what was lost is on no frontier");
+    }
+
+    #[test]
+    fn stairs_fall_at_the_costs_of_the_frontier() {
+        let best = [(1.0, 8.0), (2.0, 4.0), (5.0, 1.0)];
+        assert_eq!(stairs(&best), [(1.0, 8.0), (2.0, 8.0), (2.0, 4.0), (5.0, 4.0), (5.0, 1.0)]);
+        assert_eq!(stairs(&best[..1]), best[..1]);
+        assert!(stairs(&[]).is_empty());
     }
 
     #[test]

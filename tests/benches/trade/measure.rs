@@ -48,7 +48,7 @@ impl Outcome {
     }
 
     /// Unit of the headline error.
-    pub fn scene_unit(&self) -> &'static str {
+    pub fn unit(&self) -> &'static str {
         self.all.first().map_or("1", |measured| measured.errors[0].unit)
     }
 

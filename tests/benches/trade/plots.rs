@@ -3,7 +3,7 @@
 
 use crate::engine::ENGINES;
 use crate::measure::{Measured, Outcome};
-use cellstep_tests::trade::frontier;
+use cellstep_tests::trade::{frontier, stairs};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};
@@ -84,12 +84,6 @@ struct Style {
     has_dots: bool,
 }
 
-/// The corners of the stairs through points of a frontier.
-fn stairs(best: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let steps = best.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
-    steps.chain(best.last().copied()).collect()
-}
-
 /// What a point of the plot is worth: errors end at the scene's floor, lost runs are left out.
 fn place(measured: &Measured, floor: f64) -> Option<(f64, f64)> {
     let point = measured.point();
@@ -107,7 +101,7 @@ fn draw(panel: &Panel<'_>, outcome: &Outcome, style: Style) -> Drawn {
     if all.is_empty() {
         return Ok(());
     }
-    let unit = match outcome.scene_unit() {
+    let unit = match outcome.unit() {
         "1" => "error".to_string(),
         unit => format!("error, {unit}"),
     };
