@@ -60,9 +60,10 @@ pub struct Verdict {
     pub cheapest: f64,
 }
 
-/// Compares; `None` when the peer has no points. Errors below `floor` are as good as it: what is smaller is not
-/// measured but rounding.
+/// Compares; `None` when the peer has no points. Its lost ones do not count: they are nothing to have. Errors below
+/// `floor` are as good as it: what is smaller is not measured but rounding.
 pub fn verdict(own: &[Point], peer: &[Point], floor: f64) -> Option<Verdict> {
+    let peer: Vec<Point> = peer.iter().copied().filter(|point| point.error.is_finite()).collect();
     let costs = || peer.iter().map(|point| point.cost);
     let (first, last) = (costs().fold(f64::INFINITY, f64::min), costs().fold(0.0, f64::max));
     if peer.is_empty() {
@@ -78,7 +79,7 @@ pub fn verdict(own: &[Point], peer: &[Point], floor: f64) -> Option<Verdict> {
     let mut found = Verdict { is_ahead: true, worst: 0.0, worst_cost: first, share: 0.0, both, cheapest };
     let whole = (last / first).ln();
     for (place, &cost) in stairs.iter().enumerate() {
-        let [ours, theirs] = [own, peer].map(|points| best_within(points, cost).max(floor));
+        let [ours, theirs] = [own, &peer].map(|points| best_within(points, cost).max(floor));
         let ratio = if ours == theirs { 1.0 } else { ours / theirs };
         let is_ahead = ours < theirs || (ours == floor && theirs == floor);
         if ratio > found.worst {
@@ -199,10 +200,14 @@ mod tests {
     }
 
     #[test]
-    fn both_lost_is_alike_but_not_ahead() {
+    fn what_a_peer_lost_does_not_count() {
         let lost = points(&[(1.0, f64::INFINITY)]);
-        let found = verdict(&lost, &lost, 1.0e-6).expect("points");
-        assert_eq!((found.is_ahead, found.worst), (false, 1.0));
+        assert_eq!(verdict(&lost, &lost, 1.0e-6), None);
+        let peer = points(&[(0.1, f64::INFINITY), (1.0, 4.0), (9.0, f64::INFINITY)]);
+        let found = verdict(&points(&[(1.0, 2.0)]), &peer, 0.0).expect("one point is left");
+        assert_eq!((found.is_ahead, found.worst, found.cheapest), (true, 0.5, 1.0));
+        let found = verdict(&lost, &peer, 0.0).expect("one point is left");
+        assert_eq!((found.is_ahead, found.worst), (false, f64::INFINITY), "what we lost does");
     }
 
     #[test]

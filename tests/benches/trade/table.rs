@@ -101,9 +101,9 @@ pub fn print_verdicts(all: &[Outcome]) {
     println!();
     println!(
         "Verdict: cellstep's headline error over the peer's, each the best that its engine gives within a cost, at
-every cost between the peer's cheapest and dearest setting. Errors below a scene's floor count as the floor:
-what is measured there is rounding; both at the floor is no loss. `inf`: nothing own is so cheap, or lost.
-Then the same at the costs that both offer, and the own cheapest cost over the peer's."
+every cost between the peer's cheapest and dearest setting that is not lost. Errors below a scene's floor count
+as the floor: what is measured there is rounding; both at the floor is no loss. `inf`: nothing own is so cheap,
+or lost. Then the same at the costs that both offer, and the own cheapest cost over the peer's."
     );
     for peer in &ENGINES[1..] {
         let verdicts = verdicts(all, peer);
