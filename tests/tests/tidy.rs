@@ -29,8 +29,12 @@ const WORDS: [&str; 10] =
 /// Names of other crates.
 const CRATES: [&str; 1] = ["crossbeam_utils"];
 /// Files that speak of other engines in their words.
-const FOREIGN_FILES: [&str; 3] =
-    ["tests/benches/peers/rapier.rs", "tests/benches/queries/rapier.rs", "tests/benches/snapshot/rapier.rs"];
+const FOREIGN_FILES: [&str; 4] = [
+    "tests/benches/peers/rapier.rs",
+    "tests/benches/queries/rapier.rs",
+    "tests/benches/snapshot/rapier.rs",
+    "tests/benches/trade/rapier.rs",
+];
 /// Marks of unfinished work, and folders of one machine. In two parts, so that this file does not hold them.
 const MARKS: [&str; 9] = [
     concat!("todo", "!"),

@@ -1,12 +1,12 @@
 //! One ruler for all engines: how deep bodies overlap, and how far joints gape, at given poses.
 //!
-//! For overlap the poses are put into a world that never steps, and exact collision tells the separations of all
-//! pairs whose bounding spheres meet. A pair counts once, with its deepest point.
+//! Overlap is told by [`cellstep_tests::overlap`].
 
 use crate::own::Filled;
-use crate::scenes::{Joint, Scene};
-use cellstep::math::{Pose, Vec3};
-use cellstep::{Geometry, Position};
+use crate::scenes::{Body, Joint, Scene};
+use cellstep::Geometry;
+use cellstep::math::Pose;
+use cellstep_tests::overlap::{Ruled, Ruler};
 
 /// Overlap of a scene at one moment, metres.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,9 +53,8 @@ fn height(moves: impl Iterator<Item = bool>, poses: &[Pose]) -> f32 {
 }
 
 pub struct Gauge {
-    filled: Filled,
+    ruler: Ruler,
     moves: Vec<bool>,
-    radii: Vec<f32>,
 }
 
 impl Gauge {
@@ -66,22 +65,22 @@ impl Gauge {
             Geometry::Box { half_extents } => half_extents.length(),
             other => panic!("the scenes have no {other:?}"),
         };
-        Gauge {
-            filled: Filled::new(scene),
-            moves: scene.bodies.iter().map(|body| body.moves).collect(),
-            radii: scene.bodies.iter().map(|body| radius(&body.geometry)).collect(),
-        }
+        let filled = Filled::new(scene);
+        let handles = filled.bodies.iter().zip(&filled.shapes);
+        let ruled = |(body, (&handle, &shape)): (&Body, _)| Ruled {
+            body: handle,
+            shape,
+            moves: body.moves,
+            radius: radius(&body.geometry),
+        };
+        let bodies = scene.bodies.iter().zip(handles).map(ruled).collect();
+        let moves = scene.bodies.iter().map(|body| body.moves).collect();
+        Gauge { ruler: Ruler::new(filled.world, bodies), moves }
     }
 
     /// Measures the overlap at the poses of all bodies, in the order of the scene.
     pub fn measure(&mut self, poses: &[Pose]) -> Overlap {
-        for (&body, pose) in self.filled.bodies.iter().zip(poses) {
-            let moved = self.filled.world.set_pose(body, Position::at(pose.position), pose.rotation);
-            moved.expect("engines give finite poses");
-        }
-        let mut depths: Vec<f32> =
-            self.candidates(poses).into_iter().filter_map(|pair| self.depth(pair)).collect();
-        depths.sort_by(f32::total_cmp);
+        let depths = self.ruler.depths(poses);
         Overlap {
             pairs: depths.len(),
             max: depths.last().copied().unwrap_or(0.0),
@@ -89,36 +88,5 @@ impl Gauge {
             mean: depths.iter().sum::<f32>() / depths.len().max(1) as f32,
             height: height(self.moves.iter().copied(), poses),
         }
-    }
-
-    /// Pairs with a moving body whose bounding spheres meet; sorted along x, so that most are never looked at.
-    fn candidates(&self, poses: &[Pose]) -> Vec<[usize; 2]> {
-        let (mut moving, fixed): (Vec<usize>, Vec<usize>) =
-            (0..poses.len()).partition(|&index| self.moves[index]);
-        let near = |a: usize, b: usize| {
-            let between: Vec3 = poses[a].position - poses[b].position;
-            between.length() <= self.radii[a] + self.radii[b]
-        };
-        let left = |index: usize| poses[index].position.x - self.radii[index];
-        moving.sort_by(|&a, &b| left(a).total_cmp(&left(b)));
-        let mut pairs = Vec::new();
-        for (k, &a) in moving.iter().enumerate() {
-            let right = poses[a].position.x + self.radii[a];
-            let others = moving[k + 1..].iter().take_while(|&&b| left(b) <= right);
-            pairs.extend(others.chain(&fixed).filter(|&&b| near(a, b)).map(|&b| [a, b]));
-        }
-        pairs
-    }
-
-    /// Depth of a pair's deepest point; `None` when it does not overlap.
-    fn depth(&self, [a, b]: [usize; 2]) -> Option<f32> {
-        let mut deepest = 0.0;
-        let [a, b] = [a, b].map(|index| self.filled.shapes[index]);
-        self.filled.world.manifolds(a, b, |manifold| {
-            for point in &manifold.points {
-                deepest = cellstep::math::max(deepest, -point.separation);
-            }
-        });
-        (deepest > 0.0).then_some(deepest)
     }
 }
