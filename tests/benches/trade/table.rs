@@ -109,8 +109,8 @@ or lost. Then the same at the costs that both offer, and the own cheapest cost o
         let verdicts = verdicts(all, peer);
         println!();
         println!(
-            "  {:14}{:>10}{:>10}{:>12}{:>12}  against {peer}",
-            "", "lower", "worst", "at cost, ns", "share"
+            "  {:14}{:>8}{:>10}{:>12}{:>10}{:>12}{:>10}{:>12}  against {peer}",
+            "", "lower", "worst", "at cost, ns", "share", "both: lower", "worst", "cheapest"
         );
         for (name, verdict) in &verdicts {
             println!(
