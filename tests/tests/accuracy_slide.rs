@@ -92,40 +92,37 @@ fn sliding_accelerates_as_it_should() {
 
 #[test]
 fn boxes_slide_alike_in_all_directions() {
-    Case::new("slide to stop over 16 azimuths")
-        .gated_from(Preset::Balanced)
-        .owes(&[(Preset::Balanced, "spread")])
-        .run(|sheet| {
-            let mut world = sheet.world(17);
-            let friction = 0.4;
-            ground(&mut world, friction);
-            let mut boxes = Vec::new();
-            for i in 0..16 {
-                let azimuth = core::f64::consts::TAU * f64::from(i) / 16.0;
-                let way = [azimuth.cos(), azimuth.sin(), 0.0];
-                let start = Position::at(Vec3::new((i % 4) as f32 * 15.0, (i / 4) as f32 * 15.0, 0.5));
-                let def = BodyDef {
-                    position: start,
-                    linear_velocity: Vec3::new(5.0 * way[0] as f32, 5.0 * way[1] as f32, 0.0),
-                    ..BodyDef::default()
-                };
-                let (body, _) = add(&mut world, &def, &ShapeDef { friction, ..ShapeDef::new(CUBE) });
-                boxes.push((body, way, start.to_f64()));
-            }
-            run(&mut world, 150);
-            let (mut least, mut most, mut aside, mut worst) = (f64::MAX, 0.0_f64, 0.0_f64, 0.0_f64);
-            for (body, way, start) in boxes {
-                let moved = minus(center(&world, body), start);
-                let length = dot(moved, way);
-                least = least.min(length);
-                most = most.max(length);
-                worst = worst.max(relative(length, 3.185_525));
-                aside = aside.max(dot(moved, [-way[1], way[0], 0.0]).abs() / length);
-            }
-            sheet.judge("distance", (worst, "relative"), [5.0e-3, 1.0e-2]);
-            sheet.judge("spread", ((most - least) / least, "relative"), [1.0e-4, 1.0e-3]);
-            sheet.judge("deflection", (aside, "relative"), [1.0e-3, 1.0e-2]);
-        });
+    Case::new("slide to stop over 16 azimuths").gated_from(Preset::Balanced).run(|sheet| {
+        let mut world = sheet.world(17);
+        let friction = 0.4;
+        ground(&mut world, friction);
+        let mut boxes = Vec::new();
+        for i in 0..16 {
+            let azimuth = core::f64::consts::TAU * f64::from(i) / 16.0;
+            let way = [azimuth.cos(), azimuth.sin(), 0.0];
+            let start = Position::at(Vec3::new((i % 4) as f32 * 15.0, (i / 4) as f32 * 15.0, 0.5));
+            let def = BodyDef {
+                position: start,
+                linear_velocity: Vec3::new(5.0 * way[0] as f32, 5.0 * way[1] as f32, 0.0),
+                ..BodyDef::default()
+            };
+            let (body, _) = add(&mut world, &def, &ShapeDef { friction, ..ShapeDef::new(CUBE) });
+            boxes.push((body, way, start.to_f64()));
+        }
+        run(&mut world, 150);
+        let (mut least, mut most, mut aside, mut worst) = (f64::MAX, 0.0_f64, 0.0_f64, 0.0_f64);
+        for (body, way, start) in boxes {
+            let moved = minus(center(&world, body), start);
+            let length = dot(moved, way);
+            least = least.min(length);
+            most = most.max(length);
+            worst = worst.max(relative(length, 3.185_525));
+            aside = aside.max(dot(moved, [-way[1], way[0], 0.0]).abs() / length);
+        }
+        sheet.judge("distance", (worst, "relative"), [5.0e-3, 1.0e-2]);
+        sheet.judge("spread", ((most - least) / least, "relative"), [1.0e-4, 1.0e-3]);
+        sheet.judge("deflection", (aside, "relative"), [1.0e-3, 1.0e-2]);
+    });
 }
 
 #[test]
