@@ -4,7 +4,7 @@ mod preset;
 
 use crate::error::Error;
 use crate::event::EventKinds;
-use crate::math::Vec3;
+use crate::math::{Vec3, sqrt};
 use crate::state::{Field, fields};
 use crate::validate;
 use bytemuck::{Pod, Zeroable};
@@ -33,8 +33,9 @@ pub const BOX_MARGIN: f32 = 0.05;
 pub const CONTACT_COUPLING: f32 = 0.2;
 /// Damping ratio of soft contacts: far over critical, since a contact must not swing.
 pub const CONTACT_DAMPING_RATIO: f32 = 10.0;
-/// Contacts with immovable bodies are stiffer by this factor in frequency: there the load is highest.
-pub const STATIC_STIFFNESS: f32 = 2.0;
+/// Contacts with immovable bodies are stiffer by this factor in frequency: there the load is highest. With 2, which
+/// is common, what slides on the ground hops at first.
+pub const STATIC_STIFFNESS: f32 = 1.25;
 /// Fastest push-out of overlap, metres per second: deep overlap must not become an explosion.
 pub const PUSH_SPEED: f32 = 3.0;
 /// Approach below which nothing bounces, metres per second: about the speed that gravity gives in a few steps.
@@ -51,10 +52,12 @@ pub const SUBSTEPS_MAX: u32 = 256;
 pub const REFINE: u32 = 4;
 /// Most bodies of an island that is refined.
 pub const REFINE_BODIES: u32 = 128;
-/// Sink from which on an island is refined, metres: a stack of about twenty.
-pub const REFINE_SINK: f32 = 4.0e-3;
+/// Sink from which on an island is refined, metres: a stack of six.
+pub const REFINE_SINK: f32 = 1.0e-3;
 /// Steps from one look at the loads to the next.
 pub const REFINE_STEPS: u64 = 4;
+/// With so many contacts or fewer they are looked at in each step, before a heavy body has sunk.
+pub const REFINE_CONTACTS: usize = 1024;
 /// Steps from one time that islands are let go to the next: longer, since what becomes stiffer springs up first,
 /// and carries nothing for some steps.
 pub const COARSEN_STEPS: u64 = 64;
@@ -102,8 +105,8 @@ pub struct Settings {
     /// substeps of all are the dial.
     pub refine_bodies: u32,
     /// An island is refined while it has a contact that soft contacts would let sink by more than this, metres, in
-    /// `0..=1e4`; it is let go when all are below half of that. Looked at every [`REFINE_STEPS`] steps, and let go
-    /// every [`COARSEN_STEPS`].
+    /// `0..=1e4`; it is let go when all are below half of that. Looked at every [`REFINE_STEPS`] steps (each
+    /// step in a world of few contacts), and let go every [`COARSEN_STEPS`].
     pub refine_sink: f32,
     /// Approach speed below which nothing bounces, m/s, `0..=1e4`.
     pub restitution_threshold: f32,
@@ -209,8 +212,10 @@ impl Settings {
             return *self;
         }
         let substeps = (self.substeps * self.refine).min(SUBSTEPS_MAX);
-        let contact_frequency = self.contact_frequency * (substeps as f32 / self.substeps as f32);
-        Self { substeps, contact_frequency, ..*self }
+        let times = substeps as f32 / self.substeps as f32;
+        // For four times the substeps what had sunk comes up twice as fast, not four times: else it is shot out.
+        let contact_damping_ratio = self.contact_damping_ratio * sqrt(times);
+        Self { substeps, contact_frequency: self.contact_frequency * times, contact_damping_ratio, ..*self }
     }
 
     /// Natural frequency of soft contacts between dynamic bodies, Hz.

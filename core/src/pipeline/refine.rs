@@ -11,7 +11,7 @@
 
 use crate::body::BodyRow;
 use crate::cells::{IMMOVABLE, Link};
-use crate::config::{COARSEN_STEPS, REFINE_STEPS, STATIC_STIFFNESS, Settings};
+use crate::config::{COARSEN_STEPS, REFINE_CONTACTS, REFINE_STEPS, STATIC_STIFFNESS, Settings};
 use crate::joint::AxisRow;
 use crate::math::PI;
 use crate::pipeline::layout::{REFINED, TIERS};
@@ -47,7 +47,8 @@ pub(crate) fn run(
         return;
     }
     let substeps = if settings.refine == 1 { 0 } else { settings.of_tier(REFINED).substeps };
-    let is_due = state.header[0].step.is_multiple_of(REFINE_STEPS) || substeps == 0;
+    let is_small = contacts <= REFINE_CONTACTS;
+    let is_due = is_small || state.header[0].step.is_multiple_of(REFINE_STEPS) || substeps == 0;
     let crosses = || {
         let links = scratch.slot_links[..contacts].iter().chain(&scratch.held_links[..held]);
         before != 0 && links.clone().any(|link| crosses(state, link))
