@@ -1,5 +1,5 @@
-//! The contract for bodies that are where nothing should be, for shapes that are hardly any, and for calls that make
-//! no sense: at every preset and for any number of workers.
+//! The contract for bodies that are where nothing should be, for shapes that are hardly any, and for calls that
+//! make no sense: at every preset and for any number of workers.
 
 use cellstep::math::{Rotation, Vec3};
 use cellstep::{
@@ -45,8 +45,8 @@ fn bodies_at_one_place_come_apart_within_the_contract() {
                 contacts: count * count + 64,
                 ..attack.capacities
             };
-            // Each of the others pushes a body by 3 m/s, to all sides.
-            let push_out = 4.0 * f64::from(count).sqrt();
+            // All others push a body at once, to all sides, at 3 m/s each.
+            let push_out = 6.0 * f64::from(count).sqrt();
             Attack { capacities, push_out, slack: 0.1, steps: 60, ..attack }.check();
         }
     }
