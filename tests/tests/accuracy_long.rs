@@ -46,7 +46,9 @@ fn what_rests_awake_neither_jitters_nor_creeps() {
                 }
             }
             if rows == 0 {
-                (0..5_u8).for_each(|i| drop(cube(&mut world, Vec3::Z * (0.5 + f32::from(i)))));
+                for i in 0..5_u8 {
+                    cube(&mut world, Vec3::Z * (0.5 + f32::from(i)));
+                }
             }
             run(&mut world, 300);
             let bodies: Vec<BodyHandle> = world.bodies().skip(1).collect();

@@ -131,12 +131,13 @@ fn columns_of_any_height_keep_the_contract() {
 
 #[test]
 fn joints_that_contradict_each_other_keep_the_contract() {
-    let pairs: [(&str, fn(usize) -> Vec3); 3] = [
+    type Place = fn(usize) -> Vec3;
+    let cases: [(&str, Place); 3] = [
         ("the same joint four times", |_| Vec3::ZERO),
         ("four joints 0.1 m apart", |i| Vec3::new(0.1 * i as f32, 0.0, 0.0)),
         ("four joints a kilometre apart", |i| Vec3::new(1000.0 * i as f32, 0.0, 0.0)),
     ];
-    for (name, place) in pairs {
+    for (name, place) in cases {
         let build = |world: &mut OwnedWorld| {
             let base = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::ZERO)).expect("room");
             let (body, _) = add(world, &BodyDef::new(BodyKind::Dynamic, -Vec3::Z), &ShapeDef::new(CUBE));
@@ -159,7 +160,7 @@ fn joints_that_contradict_each_other_keep_the_contract() {
     let build = |world: &mut OwnedWorld| {
         let bodies: Vec<BodyHandle> = (0..12_u8)
             .map(|i| {
-                let turn = Rotation::from_axis_angle(Vec3::Y, f32::from(i) * 0.523_6);
+                let turn = Rotation::from_axis_angle(Vec3::Y, f32::from(i) * core::f32::consts::FRAC_PI_6);
                 let place = turn.rotate(Vec3::X * 2.05);
                 add(
                     world,
