@@ -79,6 +79,7 @@ static Game start(void) {
     check(cs_world_create(&room, game.memory, bytes, &game.world), "world");
 
     CsSettings settings = cs_settings_default();
+    check(cs_settings_apply_preset(&settings, CS_PRESET_ACCURATE), "preset");
     settings.sleep_time = 0.5f;
     settings.moved_list = 1;
     check(cs_world_set_settings(game.world, &settings), "settings");

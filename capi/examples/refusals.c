@@ -94,7 +94,11 @@ int main(void) {
     CsSettings settings = cs_settings_default();
     settings.contact_model = 3;
     EXPECT(cs_world_set_settings(world, &settings), UNKNOWN_KIND, "contact_model");
+    EXPECT(cs_settings_apply_preset(&settings, CS_PRESET_FAST), UNKNOWN_KIND, "contact_model");
     settings = cs_settings_default();
+    EXPECT(cs_settings_apply_preset(&settings, 4), UNKNOWN_KIND, "preset");
+    EXPECT(cs_settings_apply_preset(NULL, CS_PRESET_FAST), NULL_POINTER, "settings");
+    OK(cs_settings_apply_preset(&settings, CS_PRESET_FAST));
     settings.dt = 10;
     EXPECT(cs_world_set_settings(world, &settings), OUT_OF_RANGE, "dt");
 

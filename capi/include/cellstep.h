@@ -51,6 +51,18 @@
 // Contacts that carry rigidly, and whose overlap is moved away.
 #define CS_CONTACT_SPLIT 2
 
+// The dial between speed and accuracy: for what is looked at from afar.
+#define CS_PRESET_FAST 0
+
+// The default.
+#define CS_PRESET_BALANCED 1
+
+// Loads are carried rigidly: stacks sink by millimetres, and heavy bodies stand on light ones.
+#define CS_PRESET_ACCURATE 2
+
+// For reference and for the tallest stacks.
+#define CS_PRESET_EXACT 3
+
 // `size` x: radius.
 #define CS_SPHERE 0
 
@@ -750,6 +762,11 @@ CsResult cs_world_create(const CsCapacities *capacities, void *memory, size_t by
 
 // The settings of a new world.
 CsSettings cs_settings_default(void);
+
+// Turns the dial of some settings to a preset, `CS_PRESET_*`: substeps, sweeps and the model of contacts. Fields
+// that trade no speed for accuracy (time step, gravity, sleep, events and others) stay. On an error none changes.
+CsResult cs_settings_apply_preset(CsSettings *settings,
+                                  uint32_t preset);
 
 // The settings.
 CsResult cs_world_settings(const CsWorld *world, CsSettings *out);

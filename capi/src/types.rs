@@ -4,8 +4,8 @@ use crate::error::Failure;
 use bytemuck::{Pod, Zeroable};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Settings,
-    ShapeHandle, StepReport,
+    BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Preset,
+    Settings, ShapeHandle, StepReport,
 };
 
 /// A vector.
@@ -210,6 +210,26 @@ pub const CS_CONTACT_SOFT: u32 = 0;
 pub const CS_CONTACT_RIGID: u32 = 1;
 /// Contacts that carry rigidly, and whose overlap is moved away.
 pub const CS_CONTACT_SPLIT: u32 = 2;
+
+/// The dial between speed and accuracy: for what is looked at from afar.
+pub const CS_PRESET_FAST: u32 = 0;
+/// The default.
+pub const CS_PRESET_BALANCED: u32 = 1;
+/// Loads are carried rigidly: stacks sink by millimetres, and heavy bodies stand on light ones.
+pub const CS_PRESET_ACCURATE: u32 = 2;
+/// For reference and for the tallest stacks.
+pub const CS_PRESET_EXACT: u32 = 3;
+
+/// A preset by its number.
+pub(crate) fn preset(number: u32) -> Result<Preset, Failure> {
+    match number {
+        CS_PRESET_FAST => Ok(Preset::Fast),
+        CS_PRESET_BALANCED => Ok(Preset::Balanced),
+        CS_PRESET_ACCURATE => Ok(Preset::Accurate),
+        CS_PRESET_EXACT => Ok(Preset::Exact),
+        _ => Err(Failure::UnknownKind("preset")),
+    }
+}
 
 /// Everything that a step needs beside bodies and shapes.
 #[repr(C)]

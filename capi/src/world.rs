@@ -76,6 +76,20 @@ pub extern "C" fn cs_settings_default() -> CsSettings {
     cellstep::Settings::default().into()
 }
 
+/// Turns the dial of some settings to a preset, `CS_PRESET_*`: substeps, sweeps and the model of contacts. Fields
+/// that trade no speed for accuracy (time step, gravity, sleep, events and others) stay. On an error none changes.
+#[unsafe(no_mangle)]
+pub extern "C" fn cs_settings_apply_preset(settings: Option<&mut CsSettings>, preset: u32) -> CsResult {
+    call(|| {
+        let settings = there(settings, "settings")?;
+        let preset = crate::types::preset(preset)?;
+        let mut turned = settings.read()?;
+        preset.apply(&mut turned);
+        *settings = turned.into();
+        Ok(())
+    })
+}
+
 /// The settings.
 #[unsafe(no_mangle)]
 pub extern "C" fn cs_world_settings(

@@ -214,6 +214,8 @@ region! {
         dirt: u8 = c.bodies as usize,
         /// A bit for each body that is refined.
         refined: u64 = words(c.bodies as usize),
+        /// A bit for each body A of a contact whose load was great when loads were last looked at.
+        loaded: u64 = words(c.bodies as usize),
         joints: JointRow = c.joints as usize,
         joint_axes: [AxisRow; 6] = c.joints as usize,
         joint_generations: u32 = c.joints as usize,
@@ -259,6 +261,7 @@ macro_rules! sections_in_use {
             $section!(ordering, 1),
             $section!(dirt, bodies),
             $section!(refined, $crate::pool::words(bodies)),
+            $section!(loaded, $crate::pool::words(bodies)),
             $section!(joints, joints),
             $section!(joint_axes, joints),
             $section!(joint_generations, joints),

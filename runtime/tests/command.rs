@@ -2,7 +2,9 @@
 #![cfg(feature = "cli")]
 
 use cellstep::scene::builtin::BUILTIN;
+use cellstep::scene::format::SettingsDoc;
 use cellstep::scene::{Limits, Scene};
+use cellstep::{Preset, Settings};
 use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -38,7 +40,7 @@ fn json_is_one_object_with_the_documented_keys() {
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
     let keys = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
     let expected = "asleep barriers_per_step blocks bodies checksum contacts dropped joints ms_per_step pairs \
-                    penetration_max phases quarantined scene stage_ms state_bytes steps substeps workers";
+                    penetration_max phases quarantined scene settings stage_ms state_bytes steps substeps workers";
     assert_eq!(keys(&report).join(" "), expected);
     let stages = "assembly broadphase finish islands narrowphase ordering serial solve";
     assert_eq!(keys(&report["stage_ms"]).join(" "), stages);
@@ -52,6 +54,42 @@ fn json_is_one_object_with_the_documented_keys() {
     assert_eq!(report["checksum"].as_str().unwrap().len(), 16);
     assert!(report["state_bytes"].as_u64().unwrap() > 0);
     assert!(report["ms_per_step"].as_f64().unwrap() >= report["stage_ms"]["serial"].as_f64().unwrap());
+}
+
+#[test]
+fn a_preset_is_told_and_replaces_what_the_scene_says() {
+    let run = |more: &[&str]| {
+        let args = [&["run", "wall", "--size", "4", "--steps", "30", "--json"], more].concat();
+        serde_json::from_str::<serde_json::Value>(&answer(&args)).unwrap()
+    };
+    let plain = run(&[]);
+    assert_eq!(plain["settings"]["preset"], "balanced");
+    assert_eq!(run(&["--preset", "balanced"])["checksum"], plain["checksum"]);
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("preset.json");
+    let mut scene = BUILTIN.iter().find(|builtin| builtin.name == "wall").unwrap().scene(4).unwrap();
+    for preset in Preset::ALL {
+        let told = run(&["--preset", preset.name()]);
+        let settings = Settings::from(preset);
+        assert_eq!(told["settings"]["preset"], preset.name());
+        assert_eq!(
+            (&told["substeps"], &told["settings"]["substeps"]),
+            (&settings.substeps.into(), &settings.substeps.into())
+        );
+        // The same from a scene file, whatever the place of the field.
+        scene.settings = SettingsDoc { preset: Some(preset.into()), ..SettingsDoc::default() };
+        std::fs::write(&file, scene.to_json()).unwrap();
+        let again = answer(&["run", file.to_str().unwrap(), "--steps", "30", "--json"]);
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&again).unwrap()["checksum"], told["checksum"]);
+    }
+    let mixed = run(&["--preset", "fast", "--substeps", "3"]);
+    assert_eq!((&mixed["substeps"], &mixed["settings"].get("preset")), (&3.into(), &None));
+    assert!(refusal(&["run", "wall", "--preset", "slow"]).contains("one of fast, balanced, accurate, exact"));
+    let text = "{\"settings\": {\"substeps\": 3, \"sleep_time\": 0.5, \"preset\": \"accurate\"}}";
+    let scene = Scene::from_json(text.as_bytes(), &Limits::default()).unwrap();
+    let mut settings = Settings::default();
+    scene.settings.apply(&mut settings);
+    let expected = Settings { substeps: 3, sleep_time: 0.5, ..Preset::Accurate.into() };
+    assert_eq!(settings, expected);
 }
 
 #[test]

@@ -10,6 +10,7 @@ pub mod oracles;
 pub mod reference;
 pub mod schedules;
 pub mod score;
+pub mod sectors;
 pub mod simulator;
 pub mod solids;
 pub mod worlds;

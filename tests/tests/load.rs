@@ -201,8 +201,8 @@ fn two_balls() -> (worlds::OwnedWorld, [cellstep::BodyHandle; 2]) {
 fn a_contact_without_phase_is_refused() {
     let (mut world, _) = two_balls();
     let mut bytes = snapshot(&world);
-    // Behind the contacts of 64 bytes are the ordering, a byte and a bit per body, and a row of news of 64 bodies.
-    let last = bytes.len() - 32 - 8 - 3 - 20 - 64;
+    // Behind the contacts of 64 bytes are the ordering, a byte and two bits per body, and a row of news.
+    let last = bytes.len() - 32 - 16 - 3 - 20 - 64;
     bytes[last + 8] |= 15;
     let expected = SnapshotError::Invalid { section: "contacts", index: 1 };
     assert_eq!(world.load(&bytes), Err(Error::Snapshot(expected)));

@@ -32,6 +32,20 @@ impl Preset {
         }
     }
 
+    /// The preset with a name; `None` when no preset has it.
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|preset| preset.name() == name)
+    }
+
+    /// The preset at which the dial of some settings stands; `None` when it stands between two or beside them.
+    pub fn of(settings: &Settings) -> Option<Self> {
+        Self::ALL.into_iter().find(|preset| {
+            let mut turned = *settings;
+            preset.apply(&mut turned);
+            turned == *settings
+        })
+    }
+
     /// Turns the dial of some settings: the fields that trade speed for accuracy, and no other.
     pub fn apply(self, settings: &mut Settings) {
         let (substeps, refine, refine_sink) = match self {
@@ -82,5 +96,16 @@ mod tests {
             assert_eq!((settings.dt, settings.sleep_time, settings.push_speed), (0.01, 0.5, 1.0));
             assert_eq!(settings.check(), Ok(()));
         }
+    }
+
+    #[test]
+    fn presets_are_found_by_name_and_in_settings() {
+        let mut settings = Settings { dt: 0.01, ..Settings::default() };
+        for preset in Preset::ALL {
+            preset.apply(&mut settings);
+            assert_eq!((Preset::find(preset.name()), Preset::of(&settings)), (Some(preset), Some(preset)));
+        }
+        settings.inner_sweeps += 1;
+        assert_eq!((Preset::find("Exact"), Preset::of(&settings)), (None, None));
     }
 }

@@ -26,6 +26,8 @@ const GONE: u8 = 2;
 /// Marks a shape whose body sleeps, unless it wakes in this step: it has no place in the scratch, and gets no
 /// contacts.
 pub(crate) const SLEEPS: u8 = 4;
+/// Sectors from the trees' own to where boxes are rounded by 4 mm: 32 km.
+const HOME_SECTORS: u32 = 512;
 /// Shapes for which updating boxes is worth a task.
 const UPDATE_SHAPES: usize = 256;
 /// Moved shapes for which a search is worth a task.
@@ -120,18 +122,18 @@ fn place_of(
     ((frame, stance, Reach { min, body: shape.body, max, flags, origin, radius }), bounds)
 }
 
-/// Computes frame and reach of a shape that the update of boxes has passed over, because its body slept. `home`
-/// is the trees' sector; without one the shape counts as far from it.
+/// Computes frame and reach of a shape that the update of boxes has passed over, because its body slept. It counts
+/// as far from the trees' sector.
 pub(crate) fn place_shape(
     state: &State<'_>,
     (assets, dt): (&AssetTables<'_>, f32),
-    (home, scratch): (Option<[i32; 3]>, &mut Scratch<'_>),
+    scratch: &mut Scratch<'_>,
     slot: u32,
 ) {
     let shape = &state.shapes[slot as usize];
     let body = (&state.bodies[shape.body as usize], &state.motions[shape.body as usize]);
     let index = slot as usize;
-    let (place, _) = place_of(shape, body, (assets, dt, home.unwrap_or([i32::MAX; 3])));
+    let (place, _) = place_of(shape, body, (assets, dt, [i32::MAX; 3]));
     (scratch.frames[index], scratch.stances[index], scratch.reaches[index]) = place;
 }
 
@@ -204,11 +206,15 @@ pub(crate) fn refresh_trees(
     (boxes, keys): (&mut [Aabb], &mut [u64]),
 ) {
     let stamp = state.header[0].static_version + 1;
-    let statics_fit = cache.header[0].static_stamp == stamp;
-    if !statics_fit {
-        // The trees count their coordinates in the sector of the first shape, wherever the scene is.
-        cache.header[0].sector = first_sector(state);
-        cache.header[0].moving_fits = 0;
+    let mut statics_fit = cache.header[0].static_stamp == stamp;
+    if !statics_fit || cache.header[0].moving_fits == 0 {
+        let home = home_sector(state);
+        // What moves may have gone far from where the trees count from.
+        statics_fit &= !is_far(home, cache.header[0].sector);
+        if !statics_fit {
+            cache.header[0].sector = home;
+            cache.header[0].moving_fits = 0;
+        }
     }
     let sector = cache.header[0].sector;
     for is_static in [true, false] {
@@ -242,10 +248,22 @@ pub(crate) fn refresh_trees(
     }
 }
 
-pub(crate) fn first_sector(state: &State<'_>) -> [i32; 3] {
-    crate::pool::iterate(state.shape_used, state.header[0].shapes.high)
-        .next()
-        .map_or([0; 3], |slot| state.motions[state.shapes[slot as usize].body as usize].center.sector)
+/// The sector in which the trees count their coordinates: that of a shape that moves, from the middle of the slots
+/// if there is one, or of the first one where nothing moves. It decides how much boxes are rounded, never which
+/// overlap; so it has to be near what moves, wherever the scene is, and wherever the ground's own middle is.
+pub(crate) fn home_sector(state: &State<'_>) -> [i32; 3] {
+    let shapes = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high);
+    let body = |slot: u32| state.shapes[slot as usize].body as usize;
+    let moves = |slot: u32| !state.bodies[body(slot)].rests();
+    let middle = state.header[0].shapes.high / 2;
+    let slot = shapes().find(|&slot| slot >= middle && moves(slot));
+    let slot = slot.or_else(|| shapes().find(|&slot| moves(slot))).or_else(|| shapes().next());
+    slot.map_or([0; 3], |slot| state.motions[body(slot)].center.sector)
+}
+
+/// True when coordinates of one sector are better not counted in another.
+fn is_far(a: [i32; 3], b: [i32; 3]) -> bool {
+    a.iter().zip(b).any(|(a, b)| a.abs_diff(b) > HOME_SECTORS)
 }
 
 /// A shape's fat box in the tree's coordinates, never smaller than it is.

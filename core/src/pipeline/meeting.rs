@@ -14,7 +14,9 @@ use crate::config::SPECULATIVE_DISTANCE;
 use crate::lanes::Words;
 use crate::math::{Pose, Rotation, Vec3, length, sqrt};
 use crate::pipeline::solid;
-use crate::shape::{GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HULL, GEOMETRY_SPHERE, ShapeRow};
+use crate::shape::{
+    GEOMETRY_BOX, GEOMETRY_CAPSULE, GEOMETRY_HALF_SPACE, GEOMETRY_HULL, GEOMETRY_SPHERE, ShapeRow,
+};
 use crate::state::{AssetTables, ContactRow, Memo, Pair, Reach};
 use bytemuck::Zeroable;
 
@@ -24,6 +26,8 @@ const DRIFT_MAX: f32 = SPECULATIVE_DISTANCE / 4.0;
 /// Farthest that one body of a settled contact may move against the other in a step, metres. Faster than that,
 /// impulses are large, and arms that lag behind the bodies would give them an angular momentum of their own.
 const SLOW_MAX: f32 = DRIFT_MAX / 4.0;
+/// Distance of centers up to which half-spaces need no care, metres: coordinates are exact to 0.1 mm.
+const PLANE_REACH: f32 = 1024.0;
 /// Drift as a share of the smaller shape's radius.
 const DRIFT_SHARE: f32 = 1.0 / 64.0;
 
@@ -115,6 +119,43 @@ pub(crate) fn relative(frame_a: &Pose, frame_b: &Pose, centers: Vec3) -> Pose {
     )
 }
 
+/// A shape, its frame from its body's center, and its body.
+pub(crate) type Side<'a> = (&'a ShapeRow, &'a Pose, &'a Motion);
+
+/// From the center of body A to that of body B, metres.
+///
+/// A half-space is the same everywhere along its surface. So far from its body's center, where the way along it
+/// would be rounded by more than a contact bears, it is met as if that center were right under the other body.
+#[inline(always)]
+pub(crate) fn centers_between(a: Side<'_>, b: Side<'_>) -> Vec3 {
+    let centers = b.2.center.minus(a.2.center);
+    if centers.dot(centers) <= PLANE_REACH * PLANE_REACH {
+        return centers;
+    }
+    if is_plane(a) {
+        above(a, b.2)
+    } else if is_plane(b) {
+        -above(b, a.2)
+    } else {
+        centers
+    }
+}
+
+/// True for a half-space that does not turn: on one that turns it matters where a body is.
+fn is_plane((shape, _, motion): Side<'_>) -> bool {
+    shape.kind == GEOMETRY_HALF_SPACE && motion.angular == Vec3::ZERO
+}
+
+/// From the center of a half-space's body, moved along the surface to under a body, to that body's center.
+#[inline(never)]
+fn above((_, frame, plane): Side<'_>, body: &Motion) -> Vec3 {
+    let normal = frame.rotation.rotate(Vec3::Z);
+    let [n, p] = [normal, frame.position].map(|v| v.to_array().map(f64::from));
+    let way = body.center.minus_wide(plane.center).to_array();
+    let height = (way[0] - p[0]) * n[0] + (way[1] - p[1]) * n[1] + (way[2] - p[2]) * n[2];
+    frame.position + normal * height as f32
+}
+
 /// The relative pose of two shapes, and how far apart points are looked for.
 pub(crate) struct Meeting {
     /// Pose of B's frame in A's.
@@ -130,8 +171,9 @@ pub(crate) struct Meeting {
 impl Meeting {
     pub fn new(scene: &Scene<'_>, [a, b]: [u32; 2], dt: f32) -> Self {
         let (ma, mb) = (scene.motion(a), scene.motion(b));
-        let centers = mb.center.minus(ma.center);
         let (frame_a, frame_b) = (frame_of(scene.frames[a as usize]), frame_of(scene.frames[b as usize]));
+        let [sa, sb] = [a, b].map(|slot| &scene.shapes[slot as usize]);
+        let centers = centers_between((sa, &frame_a, ma), (sb, &frame_b, mb));
         let b_in_a = relative(&frame_a, &frame_b, centers);
         let turns = (ma.angular.dot(ma.angular) + mb.angular.dot(mb.angular)) * (dt * dt);
         Self { b_in_a, centers, way: length(mb.linear - ma.linear) * dt, turns }

@@ -9,7 +9,7 @@ use crate::body::{CHANGED_SECTOR, Position};
 use crate::collide::{bounds, tree};
 use crate::executor::{Executor, Stage};
 use crate::math::{Aabb, Pose, Vec3, max, max_each, min};
-use crate::pipeline::broadphase::{first_sector, tree_box};
+use crate::pipeline::broadphase::{home_sector, tree_box};
 use crate::pipeline::solid;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pool::is_used;
@@ -91,7 +91,7 @@ fn refresh_static(
     if cache.header[0].static_stamp == stamp {
         return;
     }
-    cache.header[0].sector = first_sector(state);
+    cache.header[0].sector = home_sector(state);
     let sector = cache.header[0].sector;
     for slot in shapes(state, true) {
         scratch.tree_boxes[slot as usize] = static_box((state, assets), slot, sector);

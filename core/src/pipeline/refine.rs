@@ -58,7 +58,7 @@ pub(crate) fn run(
     }
     let high = state.header[0].bodies.high as usize;
     scratch.marks[..high].fill(0);
-    let sinks = substeps != 0 && mark_loads(state, scratch, settings, contacts);
+    let sinks = mark_loads(state, scratch, settings, if substeps == 0 { 0 } else { contacts });
     if !sinks && before == 0 {
         return;
     }
@@ -80,8 +80,16 @@ fn crosses(state: &State<'_>, link: &Link) -> bool {
     link.a != IMMOVABLE && link.b != IMMOVABLE && tier_of(state, link.a) != tier_of(state, link.b)
 }
 
-/// Marks bodies A of contacts that soft contacts would let sink too far. True when there is one.
-fn mark_loads(state: &State<'_>, scratch: &mut Scratch<'_>, settings: &Settings, contacts: usize) -> bool {
+/// Marks bodies A of contacts that soft contacts would let sink too far, now and at the last look: a load that
+/// lasts, and no blow. True when there is one.
+fn mark_loads(
+    state: &mut State<'_>,
+    scratch: &mut Scratch<'_>,
+    settings: &Settings,
+    contacts: usize,
+) -> bool {
+    let words = crate::pool::words(state.header[0].bodies.high as usize);
+    scratch.loaded_now[..words].fill(0);
     let w = 2.0 * PI * settings.frequency();
     // Metres for each unit of impulse and yield, by tier.
     let scales: [f32; TIERS] = [0, REFINED].map(|tier| 1.0 / (settings.of_tier(tier).substep() * w * w));
@@ -99,10 +107,13 @@ fn mark_loads(state: &State<'_>, scratch: &mut Scratch<'_>, settings: &Settings,
         let sink = impulse * yields * scales[tier_of(state, link.a)];
         if sink > 0.5 * settings.refine_sink {
             let enough = sink > settings.refine_sink;
-            scratch.marks[link.a as usize] |= STILL_SINKS | if enough { SINKS } else { 0 };
-            any |= enough;
+            let lasts = enough && is_used(state.loaded, link.a);
+            scratch.loaded_now[link.a as usize / 64] |= u64::from(enough) << (link.a % 64);
+            scratch.marks[link.a as usize] |= STILL_SINKS | if lasts { SINKS } else { 0 };
+            any |= lasts;
         }
     }
+    state.loaded[..words].copy_from_slice(&scratch.loaded_now[..words]);
     any
 }
 

@@ -9,7 +9,7 @@ use crate::config::SPECULATIVE_DISTANCE;
 use crate::material::{MaterialRow, Mix, ONE_WAY_SLOP, PairRule, RULE_IGNORE, RULE_MATERIAL, find_rule};
 use crate::math::{Pose, Vec3, length};
 use crate::pipeline::broadphase::{boxes_overlap, may_meet};
-use crate::pipeline::meeting::relative;
+use crate::pipeline::meeting::{centers_between, relative};
 use crate::pipeline::solid;
 use crate::shape::{MATERIAL_SHIFT, ShapeRow};
 use crate::state::{AssetTables, State, Touch};
@@ -153,7 +153,7 @@ fn touch(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), slots: [u32; 
     let [(ba, ma), (bb, mb)] =
         [a, b].map(|shape| (&state.bodies[shape.body as usize], &state.motions[shape.body as usize]));
     let (frame_a, frame_b) = (ma.local_to_center(ba, &a.pose), mb.local_to_center(bb, &b.pose));
-    let mut b_in_a = relative(&frame_a, &frame_b, mb.center.minus(ma.center));
+    let mut b_in_a = relative(&frame_a, &frame_b, centers_between((a, &frame_a, ma), (b, &frame_b, mb)));
     b_in_a.rotation = b_in_a.rotation.renormalized();
     let way = length(mb.linear - ma.linear) * dt;
     let mut found = Manifolds::new();

@@ -63,7 +63,7 @@ pub(crate) fn wake(
     state.header[0].static_version += 1;
     (cache.header[0].moving_fits, cache.header[0].moving_listed) = (0, 0);
     cache.header[0].memos_fit = 0;
-    place_woken(state, (assets, dt), (cache.header[0].sector, scratch));
+    place_woken(state, (assets, dt), scratch);
     bring_pairs(state, scratch, counts);
     bring_contacts(state, scratch, counts)
 }
@@ -129,7 +129,7 @@ fn mark_touched(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratc
         }
         // Placed even where nothing wakes: the narrowphase sees by the reach that the body sleeps.
         for (shape, _) in [pair.a, pair.b].into_iter().zip(sleeps).filter(|(_, sleeps)| *sleeps) {
-            place_shape(state, (assets, dt), (None, scratch), shape);
+            place_shape(state, (assets, dt), scratch, shape);
         }
         let (sleeper, other) = if sleeps[0] { (a, b) } else { (b, a) };
         // What has rested there since it fell asleep does not wake it; what was put there does.
@@ -248,17 +248,14 @@ fn rouse(state: &mut State<'_>, scratch: &mut Scratch<'_>, counts: &mut Counts) 
     }
 }
 
-/// Computes frames and boxes of the shapes of bodies that woke, which the broadphase has passed over.
-fn place_woken(
-    state: &State<'_>,
-    (assets, dt): (&AssetTables<'_>, f32),
-    (home, scratch): ([i32; 3], &mut Scratch<'_>),
-) {
+/// Computes frames and boxes of the shapes of bodies that woke, which the broadphase has passed over. They count as
+/// far from the trees' sector: that may be another one by now than when the other shapes were placed.
+fn place_woken(state: &State<'_>, (assets, dt): (&AssetTables<'_>, f32), scratch: &mut Scratch<'_>) {
     for slot in iterate(state.shape_used, state.header[0].shapes.high) {
         let body = state.shapes[slot as usize].body as usize;
         if scratch.marks[body] == WAKE {
             scratch.is_moved[slot as usize] &= !SLEEPS;
-            place_shape(state, (assets, dt), (Some(home), scratch), slot);
+            place_shape(state, (assets, dt), scratch, slot);
         }
     }
 }

@@ -245,6 +245,7 @@ const NEWS: &[Field] = fields!(BodyNews { moved: U64 1, called: U64 1, slept: U6
 const GENERATION: &[Field] = &[plain("generation", FieldKind::U32)];
 const USED: &[Field] = &[plain("used", FieldKind::U64)];
 const REFINED: &[Field] = &[plain("refined", FieldKind::U64)];
+const LOADED: &[Field] = &[plain("loaded", FieldKind::U64)];
 const DIRT: &[Field] = &[plain("dirt", FieldKind::U8)];
 const FIRST_JOINT: &[Field] = &[plain("first_joint", FieldKind::U32)];
 
@@ -263,6 +264,7 @@ fn fields_of(section: &str) -> [(&'static [Field], usize); 2] {
         "ordering" => ORDERING,
         "dirt" => DIRT,
         "refined" => REFINED,
+        "loaded" => LOADED,
         "joints" => JOINT,
         "joint_axes" => AXIS,
         "first_joints" => FIRST_JOINT,

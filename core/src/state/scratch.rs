@@ -159,6 +159,8 @@ region! {
         islands: u32 = c.bodies as usize,
         /// Bodies of a set, at its least body.
         island_sizes: u32 = c.bodies as usize,
+        /// What `loaded` becomes.
+        loaded_now: u64 = words(c.bodies as usize),
         /// A bit for each active body that is refined.
         active_refined: u64 = words(c.bodies as usize),
         /// What becomes of a body or of its island, by slot.

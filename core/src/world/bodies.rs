@@ -103,6 +103,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         state.motions[slot] = Zeroable::zeroed();
         state.dirt[slot] = 0;
         state.refined[slot / 64] &= !(1 << (slot % 64));
+        state.loaded[slot / 64] &= !(1 << (slot % 64));
         pool::release(&mut state.header[0].bodies, state.body_used, slot as u32);
         state.header[0].pairs_stale |= PAIRS_REMOVED;
         Ok(())

@@ -7,10 +7,10 @@ use crate::collide::{self, Manifolds};
 use crate::config::SPECULATIVE_DISTANCE;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::math::Vec3;
-use crate::pipeline::meeting::relative;
+use crate::pipeline::meeting::{centers_between, relative};
 use crate::pipeline::solid;
 use crate::pool;
-use crate::shape::FRESH;
+use crate::shape::{FRESH, GEOMETRY_HALF_SPACE};
 use crate::state::ContactRow;
 
 /// A contact of the last step: a manifold of 1 to 4 points between two shapes, with its impulses.
@@ -137,13 +137,19 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
         let ((sa, ba, ma), (sb, bb, mb)) = (side(a), side(b));
         let frame_a = ma.local_to_center(ba, &sa.pose);
         let frame_b = mb.local_to_center(bb, &sb.pose);
-        let b_in_a = relative(&frame_a, &frame_b, mb.center.minus(ma.center));
+        let centers = centers_between((sa, &frame_a, ma), (sb, &frame_b, mb));
+        let b_in_a = relative(&frame_a, &frame_b, centers);
+        // Far out on a half-space, points are known from the other body.
+        let is_near = sa.kind != GEOMETRY_HALF_SPACE || centers == mb.center.minus(ma.center);
+        let place = |from_a: Vec3| {
+            if is_near { ma.center.plus(from_a) } else { mb.center.plus(from_a - centers) }
+        };
         let tables = self.asset_tables();
         let mut found = Manifolds::new();
         collide::collide(&solid(sa, &tables), &solid(sb, &tables), &b_in_a, SPECULATIVE_DISTANCE, &mut found);
         for manifold in &found {
             let points = manifold.points.iter().map(|point| ContactPoint {
-                position: ma.center.plus(frame_a.transform(point.position)),
+                position: place(frame_a.transform(point.position)),
                 separation: point.separation,
                 feature: point.feature,
             });

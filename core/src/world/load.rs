@@ -75,6 +75,7 @@ struct Parts<'a> {
     asleep_contacts: Rows<'a, ContactRow>,
     dirt: Rows<'a, u8>,
     refined: Rows<'a, u64>,
+    loaded: Rows<'a, u64>,
     joints: Rows<'a, JointRow>,
     joint_axes: Rows<'a, [AxisRow; 6]>,
     joint_generations: Rows<'a, u32>,
@@ -134,6 +135,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             _,
             dirt,
             refined,
+            loaded,
             joints,
             joint_axes,
             joint_generations,
@@ -161,6 +163,7 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
             asleep_contacts: Rows::new(asleep_contacts),
             dirt: Rows::new(dirt),
             refined: Rows::new(refined),
+            loaded: Rows::new(loaded),
             joints: Rows::new(joints),
             joint_axes: Rows::new(joint_axes),
             joint_generations: Rows::new(joint_generations),
@@ -229,6 +232,7 @@ impl Parts<'_> {
         for word in 0..crate::pool::words(self.header.bodies.high as usize) as u32 {
             let bits = self.refined.get(word);
             require(bits & !self.body_used.get(word) == 0, "refined", word)?;
+            require(self.loaded.get(word) & !self.body_used.get(word) == 0, "loaded", word)?;
             any |= bits != 0;
         }
         require(any == (self.header.refine != 0), "refined", 0)

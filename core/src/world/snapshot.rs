@@ -44,7 +44,7 @@ impl Section {
 }
 
 /// How many sections the state has.
-pub(super) const SECTIONS: usize = 26;
+pub(super) const SECTIONS: usize = 27;
 
 const _: () = assert!(cfg!(target_endian = "little"), "the state's bytes are little-endian");
 

@@ -1,5 +1,5 @@
-//! The command `cellstep`: runs scenes, lists and prints the built-in ones, imports models, verifies replays,
-//! and compares this machine with the release.
+//! The command `cellstep`: runs scenes, lists and prints the built-in ones, recommends settings for them, imports
+//! models, verifies replays, and compares this machine with the release.
 //!
 //! Standard output has the answer and nothing else; the progress bar, notes and errors go to standard error.
 //! A reader that closes the pipe early gets what it wanted: that is no error.
@@ -20,6 +20,8 @@ mod merge;
 mod report;
 #[path = "../cli/run.rs"]
 mod run;
+#[path = "../cli/tune.rs"]
+mod tune;
 #[path = "../cli/verify.rs"]
 mod verify;
 
@@ -39,6 +41,9 @@ const WRONG: u8 = 2;
 const CORRUPT: u8 = 3;
 /// A replay is of another version.
 const VERSION: u8 = 4;
+
+/// No setting meets the goal of `tune`.
+const UNMET: u8 = 5;
 
 /// Why there is no answer: the exit code, and a message for the user.
 struct Failure(u8, String);
@@ -89,6 +94,7 @@ fn answer(command: &Command, out: &mut impl Write) -> Result<u8, Failure> {
         Command::Verify(args) => verify::verify(args, out),
         Command::Bisect(args) => bisect::bisect(args, out),
         Command::Doctor(args) => doctor::doctor(args, out),
+        Command::Tune(args) => tune::tune(args, out),
         Command::Inspect(args) => say(out, &inspect::inspect(args)?, 0),
     }
 }

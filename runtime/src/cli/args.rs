@@ -1,5 +1,6 @@
 //! What the command line may say.
 
+use cellstep::Preset;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -12,7 +13,7 @@ Examples:
   cellstep run ragdolls --record game.replay && cellstep verify game.replay
 
 Exit codes: 0 done, 2 wrong usage or a wrong scene. Those of replays: see `cellstep verify --help`; 1 of `doctor`:
-other bits than the release.";
+other bits than the release; 5 of `tune`: no setting meets the goal.";
 
 /// Runs scenes of rigid bodies, with the same bits for any number of workers.
 #[derive(Debug, Parser)]
@@ -38,6 +39,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Finds where two runs parted: step, stage, body, field and both values.
     Bisect(BisectArgs),
+    /// Tries settings between fast and exact on a scene, and recommends one.
+    Tune(TuneArgs),
     /// Tells what is in a replay.
     Inspect(InspectArgs),
     /// Tells whether this machine computes the bits that the release was made with.
@@ -47,11 +50,13 @@ pub enum Command {
 const RUN_HELP: &str = "\
 Times are means per step. A stage's time is wall-clock from its start to the next stage's; `serial` is the
 part of the whole step, over all stages, that runs on one thread. Counts are those of the last step; drops
-and quarantines are totals; barriers are the mean per step. The state's size is that of a snapshot.
+and quarantines are totals; barriers are the mean per step. The state's size is that of a snapshot. `settings` are
+those of the run, as a scene file would say them.
 
 Examples:
   cellstep run tower --steps 600
   cellstep run level.json --workers 4 --substeps 8
+  cellstep run wall --preset accurate
   cellstep run pyramid --size 20 --json | jq .checksum";
 
 /// Arguments of `run`.
@@ -66,7 +71,11 @@ pub struct RunArgs {
     /// Number of threads, this one included [default: one for each processor].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub workers: Option<u16>,
-    /// Substeps of each step [default: as the scene says].
+    /// A place on the dial between speed and accuracy: fast, balanced, accurate or exact. It replaces what the
+    /// scene says of substeps, sweeps and contacts [default: as the scene says].
+    #[arg(long, value_name = "NAME", value_parser = preset)]
+    pub preset: Option<Preset>,
+    /// Substeps of each step [default: as the scene or the preset says].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     pub substeps: Option<u32>,
     /// Size of a built-in scene; `cellstep scenes` says what it counts [default: the scene's own].
@@ -84,6 +93,12 @@ pub struct RunArgs {
     /// Steps from keyframe to keyframe of the replay; 0 for the first state alone.
     #[arg(long, value_name = "N", default_value_t = 600, requires = "record")]
     pub keyframes_every: u32,
+}
+
+/// A preset by its name.
+fn preset(name: &str) -> Result<Preset, String> {
+    let names = || Preset::ALL.map(Preset::name).join(", ");
+    Preset::find(name).ok_or_else(|| format!("expected one of {}", names()))
 }
 
 const VERIFY_HELP: &str = "\
@@ -211,6 +226,60 @@ pub struct DoctorArgs {
     /// Print one JSON object and nothing else.
     #[arg(long)]
     pub json: bool,
+}
+
+const TUNE_HELP: &str = "\
+Runs the scene with every preset, with steps between them and with its own settings, and tells of each the median
+time of a step and its errors, side by side:
+  error    the headline, on which --max-error acts: the greatest of p99, gap and height
+  p99, max overlap of points of contact: that of 99 in a hundred, and the deepest
+  gap      how far joints are apart (99 in a hundred)
+  height   how much higher or lower bodies lie than in the reference, lowest to highest, nine of ten; counted as way
+  way      how far bodies are from where the reference has them, for as long as two references agree to a millimetre
+  mm/s     speed over the last quarter: jitter, where all should rest
+The reference is the preset `exact` with four times its substeps. Errors are the same for any number of workers and
+on any machine, times are not. The last line is what the scene file has to say.
+
+Exit codes: 0 a setting meets the goal, 2 wrong usage or a wrong scene, 5 none does; then it is told by how much the
+nearest one misses it.
+
+Examples:
+  cellstep tune wall --max-error 0.002
+  cellstep tune level.json --budget-ms 4 --workers 4 --steps 600
+  cellstep tune model.xml --max-error 1e-3 --json | jq .recommended";
+
+/// Arguments of `tune`.
+#[derive(Args, Debug)]
+#[command(after_help = TUNE_HELP)]
+pub struct TuneArgs {
+    /// A scene file (JSON, see SCENES.md), a model (MJCF, `.xml`), or the name of a built-in scene.
+    pub scene: String,
+    /// Recommends the most exact setting whose step takes at most so long, milliseconds (median).
+    #[arg(long, value_name = "X", value_parser = positive, required_unless_present = "max_error",
+        conflicts_with = "max_error")]
+    pub budget_ms: Option<f64>,
+    /// Recommends the cheapest setting whose error is at most so great, metres.
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub max_error: Option<f64>,
+    /// Number of steps of each run.
+    #[arg(long, default_value_t = 300, value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub steps: u32,
+    /// Number of threads, this one included [default: one for each processor].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub workers: Option<u16>,
+    /// Size of a built-in scene; `cellstep scenes` says what it counts [default: the scene's own].
+    #[arg(long, value_name = "N")]
+    pub size: Option<u32>,
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A finite number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number greater than 0".to_string())
 }
 
 const SCENE_HELP: &str = "\

@@ -1,5 +1,7 @@
 //! What `cellstep run` tells, as a JSON object and as a table.
 
+use cellstep::Preset;
+use cellstep::scene::format::{ContactModelDoc, SettingsDoc};
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -14,6 +16,8 @@ pub struct Report {
     pub workers: usize,
     /// Substeps of a step.
     pub substeps: u32,
+    /// Where the dial between speed and accuracy stands, as a scene file would say it.
+    pub settings: SettingsDoc,
     /// Bodies at the end.
     pub bodies: usize,
     /// Bodies that are asleep at the end.
@@ -73,7 +77,12 @@ impl Display for Report {
         row("scene", &self.scene)?;
         row("steps", &self.steps)?;
         row("workers", &self.workers)?;
+        let preset = self.settings.preset.map_or("none", |preset| Preset::from(preset).name());
+        row("preset", &preset)?;
         row("substeps", &self.substeps)?;
+        row("refine", &self.settings.refine.unwrap_or(1))?;
+        row("sweeps", &sweeps(&self.settings))?;
+        row("contact model", &self.settings.contact_model.map_or("", model_name))?;
         row("bodies", &self.bodies)?;
         row("asleep", &self.asleep)?;
         row("joints", &self.joints)?;
@@ -101,5 +110,21 @@ impl Display for Report {
             ("of it on one thread", stages.serial),
         ];
         times.into_iter().try_for_each(|(name, ms)| row(name, &format!("{ms:.3}")))
+    }
+}
+
+/// Biased, relax and inner sweeps.
+pub fn sweeps(settings: &SettingsDoc) -> String {
+    let count = |sweeps: Option<u32>| sweeps.unwrap_or_default();
+    let (biased, relax) = (count(settings.sweeps), count(settings.relax_sweeps));
+    format!("{biased} + {relax} x {}", count(settings.inner_sweeps))
+}
+
+/// Its name in scene files.
+pub fn model_name(model: ContactModelDoc) -> &'static str {
+    match model {
+        ContactModelDoc::Soft => "soft",
+        ContactModelDoc::Rigid => "rigid",
+        ContactModelDoc::Split => "split",
     }
 }

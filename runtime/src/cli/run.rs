@@ -6,6 +6,7 @@ use crate::report::{Report, StageMs};
 use cellstep::executor::Stage;
 use cellstep::replay::{AssetSet, Options, Recorder};
 use cellstep::scene::builtin::{BUILTIN, Builtin};
+use cellstep::scene::format::SettingsDoc;
 use cellstep::scene::{self, Build, Limits, Scene};
 use cellstep::{Memory, Pool, Timed, World};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -16,16 +17,10 @@ use std::time::{Duration, Instant};
 
 /// Makes the scene, steps it, and tells what happened. Errors are for the user.
 pub fn run(args: &RunArgs) -> Result<Report, String> {
-    let Build { mut world, notes, assets, .. } = build(args)?;
-    for (mesh, notes) in &notes {
-        // A note that cannot be shown is no reason to stop.
-        let _ = writeln!(io::stderr(), "note: mesh `{mesh}`: {notes}");
-    }
-    if let Some(substeps) = args.substeps {
-        let mut settings = world.settings();
-        settings.substeps = substeps;
-        world.set_settings(&settings).map_err(|error| format!("--substeps {substeps}: {error}"))?;
-    }
+    let built = build(&args.scene, args.size)?;
+    tell_notes(&built);
+    let Build { mut world, assets, .. } = built;
+    turn_dial(args, &mut world)?;
     let workers = args.workers.map_or_else(processors, usize::from);
     let pool = Pool::new(workers).map_err(|error| format!("--workers {workers}: {error}"))?;
     let mut executor = Timed::new(pool);
@@ -60,6 +55,7 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
         steps: args.steps,
         workers,
         substeps: world.settings().substeps,
+        settings: SettingsDoc::dial(&world.settings()),
         bodies: world.bodies().count(),
         asleep: world.bodies().filter(|&body| world.is_asleep(body).unwrap_or(false)).count(),
         joints: world.joint_count(),
@@ -87,6 +83,18 @@ pub fn run(args: &RunArgs) -> Result<Report, String> {
     })
 }
 
+/// Sets what the command line says of the dial, beside what the scene says.
+fn turn_dial(args: &RunArgs, world: &mut World<Memory>) -> Result<(), String> {
+    let mut settings = world.settings();
+    if let Some(preset) = args.preset {
+        preset.apply(&mut settings);
+    }
+    if let Some(substeps) = args.substeps {
+        settings.substeps = substeps;
+    }
+    world.set_settings(&settings).map_err(|error| format!("--preset or --substeps: {error}"))
+}
+
 /// Every record is written at once, so that nothing is lost in a crash.
 fn recorder(args: &RunArgs, world: &World<Memory>, assets: &AssetSet) -> Result<Recorder<File>, String> {
     let path = args.record.as_deref().unwrap_or(Path::new(""));
@@ -106,16 +114,24 @@ pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(Pool::WORKERS_MAX))
 }
 
-/// A built-in scene goes before a file of the same name: `./name` is the file.
-fn build(args: &RunArgs) -> Result<Build, String> {
-    if Builtin::find(&args.scene).is_some() {
-        return builtin(&args.scene, args.size)?.build(Path::new("")).map_err(|error| error.to_string());
+/// Tells what was mended in the meshes of a scene.
+pub fn tell_notes(built: &Build) {
+    for (mesh, notes) in &built.notes {
+        // A note that cannot be shown is no reason to stop.
+        let _ = writeln!(io::stderr(), "note: mesh `{mesh}`: {notes}");
     }
-    let file = Path::new(&args.scene);
+}
+
+/// Makes a scene in a size, or in its own. A built-in one goes before a file of its name: `./name` is the file.
+pub fn build(name: &str, size: Option<u32>) -> Result<Build, String> {
+    if Builtin::find(name).is_some() {
+        return builtin(name, size)?.build(Path::new("")).map_err(|error| error.to_string());
+    }
+    let file = Path::new(name);
     if !file.exists() {
-        return Err(format!("{:?} is neither a file nor a built-in scene ({})", args.scene, names()));
+        return Err(format!("{name:?} is neither a file nor a built-in scene ({})", names()));
     }
-    if args.size.is_some() {
+    if size.is_some() {
         return Err("--size is for built-in scenes: a scene file has its own".to_string());
     }
     if import::is_model(file) {

@@ -72,6 +72,7 @@ fn full_assets(points: &[[f32; 3]], turn: RotationDoc) -> (MeshDoc, HeightFieldD
 
 fn full_settings() -> SettingsDoc {
     SettingsDoc {
+        preset: Some(PresetDoc::Fast),
         dt: Some(0.01),
         substeps: Some(3),
         sweeps: Some(2),

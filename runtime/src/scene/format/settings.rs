@@ -1,12 +1,15 @@
 //! Settings of a scene document.
 
-use cellstep_core::{ContactModel, Settings};
+use cellstep_core::{ContactModel, Preset, Settings};
 use serde::{Deserialize, Serialize};
 
 /// The fields of [`Settings`] that a scene may change. `None` keeps the engine's default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object of settings")]
 pub struct SettingsDoc {
+    /// A place on the dial between speed and accuracy. It is set first: fields beside it change what it sets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<PresetDoc>,
     /// Length of a step, seconds, greater than 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dt: Option<f32>,
@@ -60,6 +63,42 @@ pub struct SettingsDoc {
     pub continuous: Option<bool>,
 }
 
+/// A place on the dial between speed and accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PresetDoc {
+    /// The cheapest.
+    Fast,
+    /// The default.
+    Balanced,
+    /// Loads are carried rigidly.
+    Accurate,
+    /// For reference.
+    Exact,
+}
+
+impl From<PresetDoc> for Preset {
+    fn from(preset: PresetDoc) -> Self {
+        match preset {
+            PresetDoc::Fast => Preset::Fast,
+            PresetDoc::Balanced => Preset::Balanced,
+            PresetDoc::Accurate => Preset::Accurate,
+            PresetDoc::Exact => Preset::Exact,
+        }
+    }
+}
+
+impl From<Preset> for PresetDoc {
+    fn from(preset: Preset) -> Self {
+        match preset {
+            Preset::Fast => PresetDoc::Fast,
+            Preset::Balanced => PresetDoc::Balanced,
+            Preset::Accurate => PresetDoc::Accurate,
+            Preset::Exact => PresetDoc::Exact,
+        }
+    }
+}
+
 /// How a contact removes overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -82,9 +121,41 @@ impl From<ContactModelDoc> for ContactModel {
     }
 }
 
+impl From<ContactModel> for ContactModelDoc {
+    fn from(model: ContactModel) -> Self {
+        match model {
+            ContactModel::Soft => ContactModelDoc::Soft,
+            ContactModel::Rigid => ContactModelDoc::Rigid,
+            ContactModel::Split => ContactModelDoc::Split,
+        }
+    }
+}
+
 impl SettingsDoc {
-    /// Writes what this document changes.
+    /// The fields on the dial between speed and accuracy, all of them written out, and the preset that they are
+    /// if they are one.
+    pub fn dial(settings: &Settings) -> Self {
+        Self {
+            preset: Preset::of(settings).map(Into::into),
+            substeps: Some(settings.substeps),
+            sweeps: Some(settings.sweeps),
+            relax_sweeps: Some(settings.relax_sweeps),
+            inner_sweeps: Some(settings.inner_sweeps),
+            contact_model: Some(settings.contact_model.into()),
+            contact_frequency: Some(settings.contact_frequency),
+            contact_damping_ratio: Some(settings.contact_damping_ratio),
+            refine: Some(settings.refine),
+            refine_bodies: Some(settings.refine_bodies),
+            refine_sink: Some(settings.refine_sink),
+            ..Self::default()
+        }
+    }
+
+    /// Writes what this document changes: what the preset sets, then what the other fields say.
     pub fn apply(&self, settings: &mut Settings) {
+        if let Some(preset) = self.preset {
+            Preset::from(preset).apply(settings);
+        }
         set(&mut settings.dt, self.dt);
         set(&mut settings.substeps, self.substeps);
         set(&mut settings.sweeps, self.sweeps);
