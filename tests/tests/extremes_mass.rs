@@ -33,8 +33,8 @@ fn stack(world: &mut OwnedWorld, densities: &[f32]) {
 fn heavy_bodies_on_light_ones_keep_the_contract() {
     let build = |world: &mut OwnedWorld| stack(world, &[1000.0; 3]);
     let ordinary = Attack { steps: 240, ..Attack::new("stack of three", 4, &build) }.check();
-    for exponent in 1..=6 {
-        let heavy = 10.0 * 10.0_f32.powi(exponent);
+    for ratio in [1.0e1, 1.0e2, 1.0e3, 1.0e4, 1.0e5, 1.0e6] {
+        let heavy = 10.0 * ratio;
         for (name, densities) in [
             ("on top", [10.0, 10.0, heavy]),
             ("below", [heavy, 10.0, 10.0]),
@@ -42,7 +42,7 @@ fn heavy_bodies_on_light_ones_keep_the_contract() {
             ("above and below", [heavy, 10.0, heavy]),
         ] {
             let build = |world: &mut OwnedWorld| stack(world, &densities);
-            let name = format!("1e{exponent}:1 {name}");
+            let name = format!("{ratio:e}:1 {name}");
             // What has sunk in by centimetres is pushed out again.
             Attack { steps: 240, push_out: 1.5, ..Attack::new(&name, 4, &build) }.check_beside(&ordinary);
         }
@@ -74,8 +74,8 @@ fn chains_with_any_bob_keep_the_contract() {
             let capacities = Capacities { joints: 10, ..attack.capacities };
             Attack { capacities, steps: 200, slack: 1.0e-2, ..attack }.check()
         };
-        for exponent in -3..=4 {
-            attack(10.0_f32.powi(exponent));
+        for bob in [1.0e-3, 1.0e-2, 0.1, 1.0, 10.0, 1.0e2, 1.0e3, 1.0e4] {
+            attack(bob);
         }
     }
 }
@@ -147,9 +147,9 @@ fn needles_and_tops_spin_within_the_contract() {
                 let how = if falls { "on the ground" } else { "free" };
                 let name = format!("{inertia:?} at {speed} rad/s, {how}");
                 // Turns of three unequal moments are composed of parts of 0.3 rad: at a thousand radians per second
-                // a body loses energy by that, some per cent a second, and may get some back at once.
+                // a body loses energy by that, some per cent a second, and may gain as much at once.
                 let is_top = inertia.x == inertia.y;
-                let slack = if is_top || speed < 1.0e3 { 1.0e-3 } else { 5.0e-2 };
+                let slack = if is_top || speed < 1.0e3 { 1.0e-3 } else { 0.1 };
                 Attack { slack, ..Attack::new(&name, 2, &build) }.check();
             }
         }

@@ -175,10 +175,10 @@ fn any_gravity_keeps_the_contract() {
             heap(world, (0.6, 0.0));
             set(world, |settings| settings.gravity = gravity);
         };
-        // At 1e4 m/s2 bodies gain 170 m/s in a step, and meet deep in each other.
-        let push_out = if gravity.z < -1.0e3 { 3.0 } else { 0.0 };
-        Attack { push_out, ..Attack::new(&format!("gravity {gravity:?}"), 13, &build) }
-            .check_beside(&ordinary);
+        // At 1e4 m/s2 bodies gain 170 m/s in a step, and meet deep in each other: what lifts them out of that has
+        // their weight to lift, which is most of the energy there is.
+        let driven = gravity.z < -1.0e3;
+        Attack { driven, ..Attack::new(&format!("gravity {gravity:?}"), 13, &build) }.check_beside(&ordinary);
     }
     let build = |world: &mut OwnedWorld| heap(world, (0.6, 0.0));
     for strength in [9.81, 1000.0] {
@@ -198,7 +198,9 @@ fn any_material_keeps_the_contract() {
         for restitution in [0.0, 0.5, 1.0] {
             let build = |world: &mut OwnedWorld| heap(world, (friction, restitution));
             let name = format!("friction {friction}, restitution {restitution}");
-            Attack::new(&name, 13, &build).check_beside(&ordinary);
+            // Of blows that come at several points at once, each gives its full speed back.
+            let slack = if restitution == 1.0 { 0.1 } else { 1.0e-3 };
+            Attack { slack, ..Attack::new(&name, 13, &build) }.check_beside(&ordinary);
         }
     }
 }
