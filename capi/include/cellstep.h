@@ -57,7 +57,7 @@
 // The default.
 #define CS_PRESET_BALANCED 1
 
-// Loads are carried rigidly: stacks sink by millimetres, and heavy bodies stand on light ones.
+// Twice the substeps: everything sinks a quarter as far, and heavier bodies stand on light ones.
 #define CS_PRESET_ACCURATE 2
 
 // For reference and for the tallest stacks.

@@ -215,7 +215,7 @@ pub const CS_CONTACT_SPLIT: u32 = 2;
 pub const CS_PRESET_FAST: u32 = 0;
 /// The default.
 pub const CS_PRESET_BALANCED: u32 = 1;
-/// Loads are carried rigidly: stacks sink by millimetres, and heavy bodies stand on light ones.
+/// Twice the substeps: everything sinks a quarter as far, and heavier bodies stand on light ones.
 pub const CS_PRESET_ACCURATE: u32 = 2;
 /// For reference and for the tallest stacks.
 pub const CS_PRESET_EXACT: u32 = 3;

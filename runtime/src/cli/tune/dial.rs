@@ -40,7 +40,7 @@ pub fn places(scene: &Settings, has_joints: bool) -> Vec<Place> {
         // All that belongs to a model comes from the dearest preset below `exact` that has it.
         let presets = Preset::ALL[..3].iter().rev().map(|&preset| turned(preset));
         let base = presets.into_iter().find(|settings| settings.contact_model == model);
-        let base = Settings { contact_model: model, ..base.unwrap_or(*scene) };
+        let base = Settings { contact_model: model, ..base.unwrap_or(turned(Preset::Balanced)) };
         for substeps in counts {
             add(format!("{name}/{substeps}"), Settings { substeps, ..base });
         }

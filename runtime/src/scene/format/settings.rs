@@ -80,7 +80,7 @@ pub enum PresetDoc {
     Fast,
     /// The default.
     Balanced,
-    /// Loads are carried rigidly.
+    /// More substeps.
     Accurate,
     /// For reference.
     Exact,
