@@ -41,7 +41,11 @@ pub(crate) fn run<S: Scheduler>(
     // A layout by another ordering serves one step only.
     cache.header[0].laid_out = if scheduler.is_none() { all as u32 + 1 } else { 0 };
     cache.header[0].laid_out_bodies = links.bodies as u32;
-    let blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
+    let is_own = scheduler.is_none();
+    let mut blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
+    if refined > 0 && !is_own {
+        blocks = split_blocks(state, scratch, blocks);
+    }
     let plan = lay_out(state, (cache, scratch), (links, blocks), refined);
     cache.refined.fill(0);
     cache.refined[..refined].copy_from_slice(&scratch.active_refined[..refined]);
@@ -216,6 +220,34 @@ fn schedule<S: Scheduler>(
     schedule.block_count
 }
 
+/// Another scheduler may put several islands in a block: makes a block for each tier of them. The links of a tier
+/// keep their order. Returns the number of blocks.
+fn split_blocks(state: &State<'_>, scratch: &mut Scratch<'_>, blocks: usize) -> usize {
+    let mut end = blocks;
+    for index in 0..blocks {
+        let block = scratch.blocks[index];
+        let own = &mut scratch.order[block.first as usize..(block.first + block.count) as usize];
+        let (mut coarse, mut fine) = (0, 0);
+        for i in 0..own.len() {
+            let link = own[i];
+            if refine::tier_of(state, scratch.slot_links[link as usize].a) == 0 {
+                own[coarse] = link;
+                coarse += 1;
+            } else {
+                scratch.block_chains[fine] = link;
+                fine += 1;
+            }
+        }
+        own[coarse..].copy_from_slice(&scratch.block_chains[..fine]);
+        if coarse > 0 && fine > 0 {
+            scratch.blocks[index].count = coarse as u32;
+            scratch.blocks[end] = Block { first: block.first + coarse as u32, count: fine as u32, ..block };
+            end += 1;
+        }
+    }
+    end
+}
+
 fn lay_out(
     state: &State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
@@ -229,8 +261,7 @@ fn lay_out(
     if refined > 0 {
         let tier = |link: u32| refine::tier_of(state, scratch.slot_links[link as usize].a);
         let of_block = |block: &Block| tier(scratch.order[block.first as usize]);
-        // Blocks follow one another in the order.
-        blocks.sort_unstable_by_key(|block| (of_block(block), block.first));
+        blocks.sort_unstable_by_key(|block| (of_block(block), block.phase, block.first));
         cut = blocks.partition_point(|block| of_block(block) == 0);
         let of_row = |row: &ArticulationRow| tier(links.contacts as u32 + row.first[0]);
         cut_articulations = articulations.iter().take_while(|row| of_row(row) == 0).count();

@@ -80,7 +80,7 @@ fn events_change_no_motion() {
 #[test]
 fn a_world_that_is_restored_at_any_step_tells_the_same() {
     let mut told = 0;
-    for seed in 300..340 {
+    for seed in 300..350 {
         let (mut simulator, mut world) = Simulator::new(seed, EVENTFUL);
         let (_, mut other) = Simulator::new(seed + 1000, EVENTFUL);
         for step in 0..120 {
