@@ -75,6 +75,20 @@ fn an_island_is_refined_while_its_load_is_great() {
 }
 
 #[test]
+fn a_world_whose_refined_bodies_are_removed_is_accepted() {
+    let mut world = empty();
+    let cubes = column(&mut world, 0.0, 20);
+    run(&mut world, 60);
+    assert_eq!(refined(&mut world), 20);
+    for cube in cubes {
+        world.remove_body(cube).expect("it is there");
+    }
+    let bytes = snapshot(&world);
+    assert_eq!(world.load(&bytes), Ok(()));
+    assert_eq!(refined(&mut world), 0);
+}
+
+#[test]
 fn large_islands_are_not_refined() {
     let mut world = empty();
     column(&mut world, 0.0, REFINE_BODIES + 1);

@@ -226,7 +226,8 @@ impl Parts<'_> {
         self.check_events()
     }
 
-    /// Bits of bodies alone, and some if and only if the header says so.
+    /// Bits of bodies alone, and none where the header says that there are none. There may be none where it does not:
+    /// refined bodies were removed.
     fn check_refined(&self) -> Checked {
         let mut any = false;
         for word in 0..crate::pool::words(self.header.bodies.high as usize) as u32 {
@@ -235,7 +236,7 @@ impl Parts<'_> {
             require(self.loaded.get(word) & !self.body_used.get(word) == 0, "loaded", word)?;
             any |= bits != 0;
         }
-        require(any == (self.header.refine != 0), "refined", 0)
+        require(!any || self.header.refine != 0, "refined", 0)
     }
 
     fn body_is_used(&self, slot: u32) -> bool {
