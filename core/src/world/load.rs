@@ -226,8 +226,8 @@ impl Parts<'_> {
         self.check_events()
     }
 
-    /// Bits of bodies alone, and none where the header says that there are none. Where it does not there may be none
-    /// all the same: refined bodies were removed.
+    /// Bits of bodies alone, and none where the header says that there are none. There may be none all the same:
+    /// refined bodies were removed.
     fn check_refined(&self) -> Checked {
         let mut any = false;
         for word in 0..crate::pool::words(self.header.bodies.high as usize) as u32 {
