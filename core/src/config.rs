@@ -5,6 +5,7 @@ mod preset;
 use crate::error::Error;
 use crate::event::EventKinds;
 use crate::math::{Vec3, sqrt};
+use crate::pipeline::layout::TIERS;
 use crate::state::{Field, fields};
 use crate::validate;
 use bytemuck::{Pod, Zeroable};
@@ -233,6 +234,11 @@ impl Settings {
         // For four times the substeps what had sunk comes up twice as fast, not four times: else it is shot out.
         let contact_damping_ratio = self.contact_damping_ratio * sqrt(times);
         Self { substeps, contact_frequency: self.contact_frequency * times, contact_damping_ratio, ..*self }
+    }
+
+    /// The settings of all tiers.
+    pub(crate) fn tiers(&self) -> [Self; TIERS] {
+        core::array::from_fn(|tier| self.of_tier(tier))
     }
 
     /// Natural frequency of soft contacts between dynamic bodies, Hz.

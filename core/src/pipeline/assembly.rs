@@ -12,7 +12,7 @@ use crate::math::{PI, Vec3};
 use crate::pipeline::articulations::Patterns;
 use crate::pipeline::continuous::has_joints;
 use crate::pipeline::integration::root_and_whitened;
-use crate::pipeline::layout::{Group, Plan, REFINED, TIERS};
+use crate::pipeline::layout::{Group, Plan, TIERS};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
@@ -106,7 +106,7 @@ pub(crate) fn prepare_bodies<E: Executor>(
 ) {
     let share = chunk(bodies, PREPARE_BODIES);
     let mut tasks: Tasks<&mut [Active]> = scratch.active[..bodies].chunks_mut(share).collect();
-    let substeps = [0, REFINED].map(|tier| settings.of_tier(tier).substep());
+    let substeps = settings.tiers().map(|tier| tier.substep());
     let gravity = settings.gravity;
     crew.run(Stage::Assembly, &mut tasks, |active| {
         for active in active.iter_mut() {
@@ -138,7 +138,7 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
-    let scenes = [0, REFINED].map(|tier| settings.of_tier(tier)).map(|settings| Scene {
+    let scenes = settings.tiers().map(|settings| Scene {
         bodies: state.bodies,
         motions: state.motions,
         shapes: state.shapes,

@@ -14,7 +14,7 @@ use crate::lanes::{LANES, LaneVec};
 use crate::math::{PI, Pose, Rotation, Vec3, length, min};
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::integration::{along_axes, split_frame, square_roots};
-use crate::pipeline::layout::{EMPTY, Group, Plan, REFINED, TIERS};
+use crate::pipeline::layout::{EMPTY, Group, Plan, TIERS};
 use crate::pipeline::mover;
 use crate::pipeline::ordering::Links;
 use crate::pipeline::solver::{JointRows, take};
@@ -353,7 +353,7 @@ pub(crate) fn store<E: Executor>(
     if joints == 0 {
         return;
     }
-    let rates = [0, REFINED].map(|tier| 1.0 / settings.of_tier(tier).substep());
+    let rates = settings.tiers().map(|tier| 1.0 / tier.substep());
     index_rows(&cache.groups[..plan.groups], scratch.joint_links, scratch.joint_firsts);
     if plan.joints > plan.balls {
         measure_wrenches(scratch, (&cache.groups[..plan.groups], plan), rates, crew);

@@ -92,7 +92,7 @@ fn mark_loads(
     scratch.loaded_now[..words].fill(0);
     let w = 2.0 * PI * settings.frequency();
     // Metres for each unit of impulse and yield, by tier.
-    let scales: [f32; TIERS] = [0, REFINED].map(|tier| 1.0 / (settings.of_tier(tier).substep() * w * w));
+    let scales = settings.tiers().map(|tier| 1.0 / (tier.substep() * w * w));
     let yields = |row: &BodyRow| 1.0 / row.mass;
     let mut any = false;
     for (row, link) in state.contacts[..contacts].iter().zip(&*scratch.slot_links) {
