@@ -19,7 +19,8 @@
 //! - Against static and kinematic bodies always, the latter on their own way; against dynamic ones for bodies with
 //!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Trees find
 //!   what is in its fat box; what was thrown out of it in this step is listed for bullets.
-//! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body.
+//! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body
+//!   that has something in reach that stops it, and a look at their boxes for each other one.
 //! - A body that is stopped is torn off its joints for that step, and they pull it back in the next. So a body with
 //!   joints is stopped only where the middle of a shape would pass, and contacts are left the rest.
 //! - Where no body is fast nothing runs: a body that moves less than [`WAY_FLOOR`] and turns less than
@@ -38,7 +39,7 @@ use crate::collide::tree::Tree;
 use crate::collide::tree::search::Way;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
-use crate::math::{Aabb, Pose, Rotation, Vec3, max_each, min, sqrt};
+use crate::math::{Aabb, Pose, Rotation, Vec3, max, max_each, min, min_each, sqrt};
 use crate::pipeline::broadphase::{may_meet, refresh_trees, tree_of};
 use crate::pipeline::finish::follow_stance;
 use crate::pipeline::rules::stand_in_the_way;
@@ -124,10 +125,11 @@ pub(crate) fn inner_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
 
 /// The radius of a ball around a shape about the origin of its frame, metres.
 fn outer_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
-    let [x, y, _] = shape.size;
+    let [x, y, z] = shape.size;
     match shape.kind {
         GEOMETRY_SPHERE => x,
         GEOMETRY_CAPSULE => x + y,
+        GEOMETRY_BOX => crate::math::length(Vec3::new(x, y, z)),
         GEOMETRY_HULL => sqrt(assets.hulls[shape.asset() as usize].radius_squared),
         GEOMETRY_ROUNDED_HULL => sqrt(assets.hulls[shape.asset() as usize].radius_squared) + y,
         _ => {
@@ -167,6 +169,7 @@ pub(crate) fn run<E: Executor>(
             tree_of(cache.static_nodes, cache.static_order, header.static_leaves),
             tree_of(cache.moving_nodes, cache.moving_order, header.moving_leaves),
         ],
+        moving_stops: counts.kinematic || counts.quarantined > 0,
         strays: &scratch.strays[..strays],
         sector: header.sector,
         dt,
@@ -262,6 +265,9 @@ struct Chase<'a> {
     origins: &'a [Motion],
     /// Of what rests, and of the rest.
     trees: [Tree<'a>; 2],
+    /// True when the second tree may have shapes that stop other bodies than bullets: of kinematic ones, and of
+    /// those that were quarantined in this step.
+    moving_stops: bool,
     /// Shapes that bullets may meet where the trees do not have them.
     strays: &'a [u32],
     /// The trees' sector.
@@ -308,7 +314,11 @@ impl Chase<'_> {
     /// Where a body is stopped.
     fn stop(&self, body: u32) -> Stop {
         let (row, origin) = (&self.state.bodies[body as usize], &self.origins[body as usize]);
-        let mut course = course(origin.center, (origin, &self.state.motions[body as usize], row), self.dt);
+        let end = &self.state.motions[body as usize];
+        if self.is_clear(row, (origin.center, end.center)) {
+            return Stop::zeroed();
+        }
+        let mut course = course(origin.center, (origin, end, row), self.dt);
         course.held = has_joints(self.state.first_joints, body);
         let runner = Runner { row, origin, course: &course, walls: Walls::Moving };
         let Some((impact, wall)) = self.first_impact(&runner) else { return Stop::zeroed() };
@@ -318,6 +328,32 @@ impl Chase<'_> {
             return Stop { way: way.to_array(), rotation, stops: 1.0 };
         }
         self.go_on(&runner, (impact, way, rotation))
+    }
+
+    /// True when surely nothing that stops a body is in its way: in a box around balls about its center at the
+    /// start and at the end that no shape of it leaves. Most fast bodies have no need of a course.
+    fn is_clear(&self, row: &BodyRow, (start, end): (Position, Position)) -> bool {
+        if row.has(BULLET) {
+            return false;
+        }
+        let mut reach = 0.0;
+        let mut next = row.first_shape;
+        while let Some(shape) = self.state.shapes.get(next as usize) {
+            let arm = crate::math::length(shape.pose.position - row.local_center);
+            reach = max(arm + outer_radius(shape, self.assets), reach);
+            next = shape.next;
+        }
+        let home = Position { sector: self.sector, offset: Vec3::ZERO };
+        let (start, end) = (start.minus(home), end.minus(home));
+        let far = max_each(start.abs(), end.abs()).max_element() + reach;
+        let reach = reach + SEARCH_MARGIN as f32 + CLEAR_SLACK * far;
+        let region = Aabb { min: min_each(start, end), max: max_each(start, end) }.grown(reach);
+        let [resting, moving] = &self.trees;
+        let stops = |other: u32| {
+            let theirs = &self.state.bodies[self.state.shapes[other as usize].body as usize];
+            !theirs.is_dynamic() || theirs.has(ASLEEP)
+        };
+        !resting.any(&region, stops) && !(self.moving_stops && moving.any(&region, stops))
     }
 
     /// Where a body ends that would be stopped at once: it is at a wall and turns so that another point of it
@@ -520,6 +556,9 @@ impl Chase<'_> {
 
 /// By how much more than its size a shape is looked around, metres: the gap at an impact, and rounding.
 const SEARCH_MARGIN: f64 = 0.005;
+/// The same as a fraction of the greatest coordinate where single precision has to do: several times its rounding,
+/// and that of a search along the way.
+const CLEAR_SLACK: f32 = 4.0e-6;
 
 /// Where a shape stands from its body's center, in the body's axes.
 fn local_frame(row: &BodyRow, shape: &ShapeRow) -> Frame {

@@ -106,6 +106,7 @@ struct Found {
     ready: u32,
     /// Fast bodies.
     fast: usize,
+    kinematic: bool,
 }
 
 /// Counts a step in which the body was quiet: the mean square of its points' speeds is
@@ -189,6 +190,7 @@ fn store_motions<E: Executor>(
                     BodyKind::Static => {}
                     BodyKind::Kinematic => {
                         task.origins[i] = task.motions[i];
+                        task.found.kinematic = true;
                         move_kinematic(&mut task.motions[i], &mut task.rows[i], dt);
                     }
                     BodyKind::Dynamic if task.rows[i].has(ASLEEP) => {}
@@ -205,6 +207,7 @@ fn store_motions<E: Executor>(
         counts.quarantined += task.found.quarantined;
         counts.capped += task.found.capped;
         counts.ready += task.found.ready;
+        counts.kinematic |= task.found.kinematic;
         push(&mut listed, (task.first, task.found.fast));
     }
     drop(tasks);
