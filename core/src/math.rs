@@ -6,6 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 pub use glam::{Mat3, Vec3};
+use wide::f32x4;
 
 /// Half a turn, radians.
 pub const PI: f32 = core::f32::consts::PI;
@@ -113,6 +114,9 @@ const COMPONENT_BITS: u32 = 20;
 const COMPONENT_MAX: i32 = (1 << (COMPONENT_BITS - 1)) - 1;
 /// A lesser component of a unit quaternion is at most the root of one half.
 const COMPONENT_SCALE: f32 = COMPONENT_MAX as f32 * core::f32::consts::SQRT_2;
+/// Added and taken away rounds a number of up to 2^22 to the nearest whole one, of two to the even one: sums of that
+/// size have no fraction.
+const TO_WHOLE: f32 = 12_582_912.0;
 
 /// How far the square of a quaternion's length may be from 1 to be corrected without a root.
 pub(crate) const RENORMAL: f32 = 1.0e-4;
@@ -131,7 +135,8 @@ impl Rotation {
         let mut bits = largest as u64;
         for (i, part) in parts.iter().enumerate() {
             if i != largest {
-                let rounded = libm::rintf(sign * part * COMPONENT_SCALE) as i32;
+                let rounded = (sign * part * COMPONENT_SCALE + TO_WHOLE) - TO_WHOLE;
+                let rounded = rounded as i32;
                 let rounded = rounded.clamp(-COMPONENT_MAX, COMPONENT_MAX);
                 bits = bits << COMPONENT_BITS | (rounded as u64 & ((1 << COMPONENT_BITS) - 1));
             }
@@ -264,13 +269,17 @@ impl Rotation {
     /// `self` after `first`: `(self * first)` applied to `v` is `self` of `first` of `v`.
     #[inline]
     pub fn after(self, first: Self) -> Self {
+        // w (x, y, z, w) + x (w, -z, y, -x) + y (z, w, -x, -y) + z (-y, x, w, -z): four sums side by side.
         let (a, b) = (self, first);
-        Self::new(
-            a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-            a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-            a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-            a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-        )
+        let signs = |signs: [f32; 4]| f32x4::new(signs.map(|sign| if sign < 0.0 { -0.0 } else { 0.0 }));
+        let (a_x, a_y, a_z, a_w) =
+            (f32x4::splat(a.x), f32x4::splat(a.y), f32x4::splat(a.z), f32x4::splat(a.w));
+        let by_x = f32x4::new([b.w, b.z, b.y, b.x]) ^ signs([1.0, -1.0, 1.0, -1.0]);
+        let by_y = f32x4::new([b.z, b.w, b.x, b.y]) ^ signs([1.0, 1.0, -1.0, -1.0]);
+        let by_z = f32x4::new([b.y, b.x, b.w, b.z]) ^ signs([-1.0, 1.0, 1.0, -1.0]);
+        let sum = a_w * f32x4::new([b.x, b.y, b.z, b.w]) + a_x * by_x + a_y * by_y + a_z * by_z;
+        let [x, y, z, w] = sum.to_array();
+        Self::new(x, y, z, w)
     }
 
     /// The vector `v` rotated.

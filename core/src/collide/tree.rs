@@ -137,7 +137,7 @@ impl Tree<'_> {
     /// has one, and both are found from the index.
     #[inline(always)]
     pub fn any(&self, region: &Aabb, mut is: impl FnMut(u32) -> bool) -> bool {
-        if self.order.is_empty() {
+        if self.order.is_empty() || !self.bounds().overlaps(region) {
             return false;
         }
         let (first, count, top) = levels(self.order.len());

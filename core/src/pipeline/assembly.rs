@@ -277,6 +277,6 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
             Some((active, &scene.motions[slot], &scene.bodies[slot]))
         };
         let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
-        *mover = MoverRow::enter(seats, entry, (scene.substep, is_jointed));
+        mover.enter(seats, entry, (scene.substep, is_jointed));
     }
 }
