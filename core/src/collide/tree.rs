@@ -130,8 +130,8 @@ impl Tree<'_> {
         });
     }
 
-    /// True when `is` says so of the id of a leaf whose box overlaps `region` (faces included). Asks leaf by leaf, in
-    /// their order, until one is found.
+    /// True when `is` says so of the id of a leaf whose box overlaps `region` (faces included). Asks leaf by leaf,
+    /// in their order, until one is found.
     ///
     /// The walk keeps no stack: the box after a subtree is the next sibling, or that of the nearest ancestor that
     /// has one, and both are found from the index.

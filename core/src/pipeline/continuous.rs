@@ -139,6 +139,11 @@ fn outer_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
     }
 }
 
+/// The radius of a ball around a shape about its body's center, metres, but for its rounding.
+fn reach_of(row: &BodyRow, shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
+    crate::math::length(shape.pose.position - row.local_center) + outer_radius(shape, assets)
+}
+
 /// Stops the bodies that are listed as fast at what they would have passed.
 pub(crate) fn run<E: Executor>(
     state: &mut State<'_>,
@@ -339,8 +344,7 @@ impl Chase<'_> {
         let mut reach = 0.0;
         let mut next = row.first_shape;
         while let Some(shape) = self.state.shapes.get(next as usize) {
-            let arm = crate::math::length(shape.pose.position - row.local_center);
-            reach = max(arm + outer_radius(shape, self.assets), reach);
+            reach = max(reach_of(row, shape, self.assets), reach);
             next = shape.next;
         }
         let home = Position { sector: self.sector, offset: Vec3::ZERO };
@@ -463,8 +467,7 @@ impl Chase<'_> {
         let Some(parts) = Parts::new(&solid(shape, self.assets)) else { return };
         let Runner { row, origin, course, .. } = runner;
         let local = local_frame(row, shape);
-        let (low, high) = parts.bounds(&local);
-        let reach = DVec3::splat(length(crate::collide::cast::children::most(low, high)) + SEARCH_MARGIN);
+        let reach = DVec3::splat(f64::from(reach_of(row, shape, self.assets)) * REACH_SLACK + SEARCH_MARGIN);
         let way = course.way * (1.0 - course.from);
         let span = length(way);
         let direction = if span > 0.0 { way / span } else { DVec3::ZERO };
@@ -474,7 +477,9 @@ impl Chase<'_> {
             Some(impact) if impact.time < 1.0 => course.share(impact.time) * span,
             _ => f64::MAX,
         };
-        for tree in &self.trees {
+        let [resting, moving] = &self.trees;
+        let moving = Some(moving).filter(|_| self.moving_stops || row.has(BULLET));
+        for tree in core::iter::once(resting).chain(moving) {
             let Some(way) = Way::new(tree, (from, direction, span), (-reach, reach)) else { continue };
             tree.search(
                 way.limit(limit(best)),
@@ -500,8 +505,7 @@ impl Chase<'_> {
         let shape = &self.state.shapes[other as usize];
         let (row, motion) =
             (&self.state.bodies[shape.body as usize], &self.state.motions[shape.body as usize]);
-        let arm = crate::math::length(shape.pose.position - row.local_center);
-        let reach = radius + f64::from(arm + outer_radius(shape, self.assets)) * (1.0 + 1.0e-5);
+        let reach = radius + f64::from(reach_of(row, shape, self.assets)) * REACH_SLACK;
         let start = runner.course.start.position;
         let off = motion.center.minus_wide(runner.origin.center) - start;
         let square = way.dot(way);
@@ -556,8 +560,10 @@ impl Chase<'_> {
 
 /// By how much more than its size a shape is looked around, metres: the gap at an impact, and rounding.
 const SEARCH_MARGIN: f64 = 0.005;
-/// The same as a fraction of the greatest coordinate where single precision has to do: several times its rounding,
-/// and that of a search along the way.
+/// By what such a radius is multiplied so that it is none too small.
+const REACH_SLACK: f64 = 1.0 + 1.0e-5;
+/// What a body is looked around by, as a fraction of the greatest coordinate where single precision has to do:
+/// several times its rounding, and that of a search along the way.
 const CLEAR_SLACK: f32 = 4.0e-6;
 
 /// Where a shape stands from its body's center, in the body's axes.

@@ -75,6 +75,7 @@ impl MoverRow {
         let mut frames = [Words::new([0.0, 0.0, 0.0, 1.0, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]); LANES];
         let mut turns = [Words::ZERO; LANES];
         for (lane, seat) in seats.iter_mut().enumerate() {
+            *seat = Seat::zeroed();
             if let Some(body) = entry(lane) {
                 row.enter_velocity(lane, body, substep);
                 seat.velocity = row.star[lane];
