@@ -257,6 +257,11 @@ mod tests {
             ids.iter().copied().filter(|&id| boxes[id as usize].overlaps(region)).collect();
         expected.sort_unstable();
         assert_eq!(found, expected);
+        // Each of them is found, and nothing else is asked for.
+        for &wanted in &expected {
+            assert!(tree.any(region, |id| id == wanted));
+        }
+        assert!(!tree.any(region, |id| expected.binary_search(&id).is_err()));
     }
 
     #[test]
