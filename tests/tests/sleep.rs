@@ -71,8 +71,14 @@ fn islands_sleep_and_wake_each_for_itself() {
     let (left, right) = (tower(&mut world, 0.0, 4), tower(&mut world, 10.0, 4));
     run(&mut world, SOON);
     assert_eq!(asleep(&world, &left) + asleep(&world, &right), 8);
+    let heights = |world: &OwnedWorld| -> Vec<f64> {
+        left.iter().map(|&body| world.center(body).expect("exists").to_f64()[2]).collect()
+    };
+    let before = heights(&world);
     world.wake(left[0]).expect("exists");
     world.step(&mut Serial);
+    let moved = heights(&world).iter().zip(&before).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(moved < 1.0e-4, "its contacts wake with it: moved by {moved} m");
     assert_eq!((asleep(&world, &left), asleep(&world, &right)), (0, 4), "a call wakes the whole island");
     run(&mut world, SOON);
     assert_eq!(asleep(&world, &left), 4);

@@ -42,7 +42,7 @@ pub(crate) fn run<E: Executor>(
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> usize {
-    let had_pairs = state.header[0].pairs > 0;
+    let had_stances = asks_for_stances(state);
     update_boxes(state, (assets, dt), (cache.header[0].sector, scratch), crew);
     let (moved, statics_moved) = list_moved(state, scratch);
     if moved == 0 && state.header[0].pairs_stale == 0 {
@@ -56,7 +56,7 @@ pub(crate) fn run<E: Executor>(
     let sector_of = |body: u32| state.motions[body as usize].center.sector;
     refresh_trees((state, sector_of), cache, (scratch.tree_boxes, scratch.tree_keys));
     find_pairs(state, cache, scratch, (moved, crew, counts));
-    if !had_pairs {
+    if !had_stances {
         place_stances(state, scratch);
     }
     clear_flags(state, &scratch.moved[..moved]);
@@ -81,7 +81,7 @@ fn update_boxes<E: Executor>(
     let high = state.header[0].shapes.high as usize;
     let share = chunk(high, UPDATE_SHAPES);
     let all = state.header[0].pairs_stale & PAIRS_DROPPED != 0;
-    let has_pairs = state.header[0].pairs > 0;
+    let asks = asks_for_stances(state);
     let (used, bodies, motions) = (&*state.shape_used, &*state.bodies, &*state.motions);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let parts = state.shapes[..high].chunks_mut(share).zip(scratch.is_moved[..high].chunks_mut(share));
@@ -103,14 +103,18 @@ fn update_boxes<E: Executor>(
                 }
                 let bounds;
                 ((*frame, *reach), bounds) = place_of(shape, (body, motion), (assets, dt, home));
-                // Only contacts ask for it.
-                if has_pairs {
+                if asks {
                     *stance = stance_of(shape, body, *frame);
                 }
                 *moved |= if update_box(shape, body, &bounds) || all { MOVED } else { 0 };
             }
         }
     });
+}
+
+/// True when contacts may ask for frames in stances: those of the pairs that there are, or that wake.
+fn asks_for_stances(state: &State<'_>) -> bool {
+    state.header[0].pairs > 0 || state.header[0].asleep > 0
 }
 
 /// Frames in the bodies' stances of the shapes that have pairs, where none had in the step before.
