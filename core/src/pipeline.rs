@@ -64,6 +64,8 @@ pub(crate) struct Counts {
     /// Fast bodies, and those of them that were stopped on their way.
     pub fast: u32,
     pub cut: u32,
+    /// Whether there are kinematic bodies.
+    pub kinematic: bool,
     /// Bodies that have been quiet for long enough.
     pub ready: u32,
     /// Pairs in the scratch's list of those whose contacts ended, and of those whose began.

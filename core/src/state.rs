@@ -320,6 +320,8 @@ pub(crate) struct CacheHeader {
     pub ordered_joints: u32,
     /// 1 when the leaves of the tree of moving shapes are the right ones, whatever their boxes.
     pub moving_listed: u32,
+    /// How often a shape has left its box since these leaves were sorted.
+    pub moving_left: u32,
     /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
     pub queried: u32,
     /// Number of joints that are arranged, plus 1; 0 when there is no arrangement.
@@ -328,6 +330,8 @@ pub(crate) struct CacheHeader {
     pub loose_joints: u32,
     /// Rows of articulations.
     pub articulations: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 region! {

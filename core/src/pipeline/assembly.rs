@@ -105,7 +105,8 @@ pub(crate) fn prepare_bodies<E: Executor>(
     crew: &mut Crew<'_, E>,
 ) {
     let share = chunk(bodies, PREPARE_BODIES);
-    let mut tasks: Tasks<&mut [Active]> = scratch.active[..bodies].chunks_mut(share).collect();
+    let mut tasks: Tasks<&mut [Active]> = Tasks::new();
+    scratch.active[..bodies].chunks_mut(share).for_each(|active| push(&mut tasks, active));
     let substeps = settings.tiers().map(|tier| tier.substep());
     let gravity = settings.gravity;
     crew.run(Stage::Assembly, &mut tasks, |active| {
@@ -267,7 +268,10 @@ impl Task<'_> {
 
 /// Seats hold zeros until they pull; those of phase 0 start with the bodies' velocities.
 fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow]), bodies: &[u32]) {
-    seats.fill(Seat::zeroed());
+    if movers.is_empty() {
+        seats.fill(Seat::zeroed());
+        return;
+    }
     let (eights, _) = seats.as_chunks_mut::<LANES>();
     for ((mover, seats), bodies) in movers.iter_mut().zip(eights).zip(bodies.chunks(LANES)) {
         // A seat without a body has no index of one.
@@ -277,6 +281,6 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
             Some((active, &scene.motions[slot], &scene.bodies[slot]))
         };
         let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
-        *mover = MoverRow::enter(seats, entry, (scene.substep, is_jointed));
+        mover.enter(seats, entry, (scene.substep, is_jointed));
     }
 }
