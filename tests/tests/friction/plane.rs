@@ -44,7 +44,9 @@ impl Slab {
     /// One of 1 kg whose center of mass is at a place.
     fn new(corners: &[[f64; 2]], off: [f64; 2], (velocity, spin): ([f64; 2], f64)) -> Self {
         let corners = corners.iter().map(|[x, y]| [x - off[0], y - off[1]]).collect();
-        Self { corners, height: 0.01, place: off, angle: 0.0, velocity, spin }
+        // Thicker than contacts are looked for where it is a hull.
+        let height = if off == [0.0; 2] { 0.01 } else { 0.03 };
+        Self { corners, height, place: off, angle: 0.0, velocity, spin }
     }
 
     /// Force and torque of friction.
@@ -119,10 +121,13 @@ fn slab(model: FrictionModel, like: &Slab) -> (OwnedWorld, BodyHandle) {
     world.set_settings(&Settings { continuous: false, ..with(model) }).expect("in range");
     ground(&mut world, FRICTION);
     let vertex = |&[p, q]: &[f64; 2], z| Vec3::new((p + like.place[0]) as f32, (q + like.place[1]) as f32, z);
-    let vertices: Vec<Vec3> =
-        like.corners.iter().flat_map(|corner| [-0.01, 0.01].map(|z| vertex(corner, z))).collect();
+    let vertices: Vec<Vec3> = like
+        .corners
+        .iter()
+        .flat_map(|corner| [-like.height as f32, like.height as f32].map(|z| vertex(corner, z)))
+        .collect();
     let geometry = if like.corners.len() == 4 {
-        Geometry::Box { half_extents: Vec3::new(0.5, 0.5, 0.01) }
+        Geometry::Box { half_extents: Vec3::new(0.5, 0.5, like.height as f32) }
     } else {
         Geometry::Hull(world.add_hull(&vertices).expect("a prism"))
     };
@@ -134,13 +139,15 @@ fn slab(model: FrictionModel, like: &Slab) -> (OwnedWorld, BodyHandle) {
         axes: Rotation::IDENTITY,
     };
     let def = BodyDef {
-        position: Position::at(Vec3::Z * 0.01),
+        position: Position::at(Vec3::Z * like.height as f32),
         mass: Some(mass),
-        linear_velocity: Vec3::new(like.velocity[0] as f32, like.velocity[1] as f32, 0.0),
-        angular_velocity: Vec3::Z * like.spin as f32,
         ..BodyDef::default()
     };
     let (body, _) = add(&mut world, &def, &ShapeDef { friction: FRICTION, ..ShapeDef::new(geometry) });
+    // Those of the center of mass.
+    let velocity = Vec3::new(like.velocity[0] as f32, like.velocity[1] as f32, 0.0);
+    world.set_linear_velocity(body, velocity).expect("dynamic");
+    world.set_angular_velocity(body, Vec3::Z * like.spin as f32).expect("dynamic");
     (world, body)
 }
 
@@ -161,6 +168,9 @@ fn what_slides_and_turns_is_held_as_by_its_corners() {
         ("turns", &SQUARE, [0.0, 0.0], [0.0, 0.0], 12.0),
         ("slides and turns", &SQUARE, [0.0, 0.0], [2.0, 1.0], 8.0),
         ("turns fast", &SQUARE, [0.0, 0.0], [1.0, 0.0], 20.0),
+        ("triangle, slides and turns", &TRIANGLE, [0.0, 0.1], [2.0, 0.0], 6.0),
+        ("triangle, turns about its side", &TRIANGLE, [0.05, -0.2], [0.0, 0.0], 8.0),
+        ("triangle, slides on a corner", &TRIANGLE, [0.0, 0.4], [0.0, 3.0], 1.0),
     ];
     let steps = 24;
     let mut by_patch = 0.0_f64;
