@@ -30,6 +30,7 @@ pub(crate) mod seat;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod solver;
+pub(crate) mod spread;
 pub(crate) mod stiffening;
 pub(crate) mod tasks;
 
@@ -170,6 +171,7 @@ fn solve<E: Executor>(
         links: scratch.link_rows,
         points: scratch.point_rows,
         resists: scratch.resist_rows,
+        cones: assembly::cones_of(settings, scratch.cone_rows),
         joints: JointRows {
             balls: scratch.ball_rows,
             links: scratch.joint_links,

@@ -79,8 +79,6 @@ pub(crate) struct Header {
     pub hit_shapes: u32,
     /// Rows of `visits` in use.
     pub visits: u32,
-    /// Zero.
-    pub reserved: u32,
 }
 
 /// Some rows of `tenants` are not zero.

@@ -2,8 +2,8 @@
 
 use crate::body::{BodyRow, Motion};
 use crate::cells::Link;
-use crate::config::{ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
-use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
+use crate::config::{ContactModel, FrictionModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
+use crate::constraint::row::{Bias, ConeRow, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::joint::{AxisRow, JointRow};
 use crate::lanes::{LANES, Words};
@@ -16,7 +16,7 @@ use crate::pipeline::layout::{Group, Plan, TIERS};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
-use crate::pipeline::solver::{self, JointRows, take, take_resists};
+use crate::pipeline::solver::{self, JointRows, take, take_some};
 use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{balls, events, joints, refine};
@@ -166,6 +166,7 @@ pub(crate) fn fill<E: Executor>(
     let (mut links, mut points) =
         (&mut scratch.link_rows[..plan.rows], &mut scratch.point_rows[..plan.points]);
     let (mut first_points, mut resists) = (&mut scratch.row_points[..plan.rows], &mut *scratch.resist_rows);
+    let mut cones = cones_of(settings, scratch.cone_rows);
     let mut seats = &mut scratch.seats[..plan.seats];
     let mut movers = &mut scratch.movers[..plan.moving / LANES];
     let mut joints = JointRows {
@@ -192,7 +193,8 @@ pub(crate) fn fill<E: Executor>(
             links: take(&mut links, rows),
             points: take(&mut points, sum(|g| g.points)),
             first_points: take(&mut first_points, rows),
-            resists: take_resists(&mut resists, rows as u32),
+            resists: take_some(&mut resists, rows as u32),
+            cones: take_some(&mut cones, rows as u32),
             seats: take(&mut seats, sum(|g| g.seats)),
             movers: take(&mut movers, moving / LANES),
             joints: joints.take_all(groups),
@@ -201,6 +203,14 @@ pub(crate) fn fill<E: Executor>(
         push(&mut tasks, task);
     }
     crew.run(Stage::Assembly, &mut tasks, |task| task.fill(&scenes, &lanes));
+}
+
+/// The rows of cones that a step has: none where friction is that of patches.
+pub(crate) fn cones_of<'a>(settings: &Settings, rows: &'a mut [ConeRow]) -> &'a mut [ConeRow] {
+    match settings.friction_model {
+        FrictionModel::Patch => &mut [],
+        FrictionModel::Points => rows,
+    }
 }
 
 /// What lies in which lane, and in which seat.
@@ -222,6 +232,8 @@ struct Task<'a> {
     first_points: &'a mut [u32],
     /// Resistance of each row; none in a world without materials.
     resists: &'a mut [ResistRow],
+    /// Cones of each row's points; none where friction is that of patches.
+    cones: &'a mut [ConeRow],
     seats: &'a mut [Seat],
     movers: &'a mut [MoverRow],
     joints: JointRows<'a>,
@@ -231,6 +243,7 @@ impl Task<'_> {
     fn fill(&mut self, scenes: &[Scene<'_>; TIERS], lanes: &Lanes<'_>) {
         let (mut links, mut points) = (&mut *self.links, &mut *self.points);
         let (mut firsts, mut resists) = (&mut *self.first_points, &mut *self.resists);
+        let mut cones = &mut *self.cones;
         let (mut seats, mut movers) = (&mut *self.seats, &mut *self.movers);
         for group in self.groups.iter_mut() {
             let scene = &scenes[group.tier as usize];
@@ -253,11 +266,13 @@ impl Task<'_> {
             group.bounces = 0;
             let first = group.first_row as usize;
             let rows = take(&mut links, group.rows as usize).iter_mut();
-            let own_resists = take_resists(&mut resists, group.rows);
+            let own_resists = take_some(&mut resists, group.rows);
+            let own_cones = take_some(&mut cones, group.rows);
             let mut next_point = group.first_point;
             for (i, (row, first_point)) in rows.zip(take(&mut firsts, group.rows as usize)).enumerate() {
                 let lanes = (&lanes.contacts[first + i], &lanes.contact_seats[first + i]);
-                rows::fill(scene, (row, own_resists.get_mut(i)), lanes, &mut own_points);
+                let parts = (&mut *row, own_resists.get_mut(i), own_cones.get_mut(i));
+                rows::fill(scene, parts, lanes, &mut own_points);
                 *first_point = next_point;
                 next_point += row.points;
                 group.bounces |= row.bounces;

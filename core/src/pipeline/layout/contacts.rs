@@ -16,7 +16,7 @@ const SPARSE: usize = 2;
 pub(super) fn are_sparse(loads: &[u32], groups: usize) -> bool {
     let longest = loads.iter().copied().max().unwrap_or(0) as usize;
     let links = loads.iter().sum::<u32>() as usize;
-    groups == 1 && links <= GROUP_LINKS && links * SPARSE < longest * LANES
+    groups == 1 && links <= GROUP_LINKS && links * SPARSE < longest * LANES * 2
 }
 
 /// Writes each contact to the next row of its chain. Links and contacts have the same indices.
