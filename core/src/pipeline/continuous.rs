@@ -357,7 +357,7 @@ impl Chase<'_> {
             let theirs = &self.state.bodies[self.state.shapes[other as usize].body as usize];
             !theirs.is_dynamic() || theirs.has(ASLEEP)
         };
-        !resting.any(&region, stops) && !(self.moving_stops && moving.any(&region, stops))
+        !(resting.any(&region, stops) || self.moving_stops && moving.any(&region, stops))
     }
 
     /// Where a body ends that would be stopped at once: it is at a wall and turns so that another point of it
