@@ -99,6 +99,11 @@ pub struct Settings {
     /// How often a sweep visits each block before the barrier, `1..=64`: convergence within blocks without more
     /// barriers. The last sweep of a substep visits once, since the seams between blocks come last.
     pub inner_sweeps: u32,
+    /// True to hold joints that hang together at once, by one direct solve in each visit: a chain then does not
+    /// stretch, however light its links are. False to visit each joint by itself, like a contact: cheaper, and
+    /// chains and linkages lag behind by what a sweep leaves, the more the longer they are and the greater their
+    /// loads. A joint that hangs alone is the same either way, but for rounding.
+    pub direct_joints: bool,
     /// Soft contacts, rigid ones (plain projected Gauss-Seidel), or split ones.
     pub contact_model: ContactModel,
     /// Contact frequency, Hz, in `0..=1e5`; 0 follows the substep rate as [`CONTACT_COUPLING`] per substep.
@@ -169,6 +174,7 @@ impl Default for Settings {
             sweeps_max: SWEEPS_MAX,
             relax_sweeps: 1,
             inner_sweeps: 1,
+            direct_joints: true,
             contact_model: ContactModel::Soft,
             contact_frequency: 0.0,
             contact_damping_ratio: CONTACT_DAMPING_RATIO,
@@ -256,6 +262,8 @@ impl Settings {
 const NOT_CONTINUOUS: u32 = 1 << 8;
 /// Bit of the modes: residuals are measured.
 const RESIDUAL: u32 = 1 << 9;
+/// Bit of the modes: joints are visited one by one.
+const LOOSE_JOINTS: u32 = 1 << 16;
 
 /// [`Settings`] as bytes of the state.
 #[repr(C)]
@@ -269,7 +277,7 @@ pub(crate) struct SettingsRow {
     sweeps_max: u32,
     relax_sweeps: u32,
     inner_sweeps: u32,
-    /// The contact model, [`NOT_CONTINUOUS`] and [`RESIDUAL`].
+    /// The contact model, [`NOT_CONTINUOUS`], [`RESIDUAL`] and [`LOOSE_JOINTS`].
     modes: u32,
     contact_frequency: f32,
     contact_damping_ratio: f32,
@@ -327,7 +335,8 @@ impl From<&Settings> for SettingsRow {
             inner_sweeps: s.inner_sweeps,
             modes: s.contact_model as u32
                 | if s.continuous { 0 } else { NOT_CONTINUOUS }
-                | if s.residual { RESIDUAL } else { 0 },
+                | if s.residual { RESIDUAL } else { 0 }
+                | if s.direct_joints { 0 } else { LOOSE_JOINTS },
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
             push_speed: s.push_speed,
@@ -358,7 +367,7 @@ impl SettingsRow {
 
     /// The settings; `None` when the row was not made by [`SettingsRow::from`].
     pub(crate) fn read(&self) -> Option<Settings> {
-        let contact_model = match self.modes & !(NOT_CONTINUOUS | RESIDUAL) {
+        let contact_model = match self.modes & !(NOT_CONTINUOUS | RESIDUAL | LOOSE_JOINTS) {
             0 => ContactModel::Soft,
             1 => ContactModel::Rigid,
             2 => ContactModel::Split,
@@ -376,6 +385,7 @@ impl SettingsRow {
             sweeps_max: self.sweeps_max,
             relax_sweeps: self.relax_sweeps,
             inner_sweeps: self.inner_sweeps,
+            direct_joints: self.modes & LOOSE_JOINTS == 0,
             contact_model,
             contact_frequency: self.contact_frequency,
             contact_damping_ratio: self.contact_damping_ratio,

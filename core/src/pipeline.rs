@@ -204,7 +204,7 @@ fn activate<E: Executor>(
     let contacts = ordering::write_contacts(state, scratch, crew);
     let held = ordering::list_held(state, scratch);
     refine::run(state, scratch, settings, (contacts, held));
-    let loose = ordering::write_joints(state, (cache, scratch), contacts, held);
+    let loose = ordering::write_joints(state, (cache, scratch), (contacts, held), settings.direct_joints);
     Links { bodies: count, contacts, joints: loose, articulated: held - loose }
 }
 

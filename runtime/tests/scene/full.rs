@@ -78,6 +78,7 @@ fn full_settings() -> SettingsDoc {
         sweeps: Some(2),
         relax_sweeps: Some(0),
         inner_sweeps: Some(3),
+        direct_joints: Some(false),
         contact_model: Some(ContactModelDoc::Rigid),
         contact_frequency: Some(33.3),
         contact_damping_ratio: Some(0.1),

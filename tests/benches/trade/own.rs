@@ -114,7 +114,8 @@ pub fn describe(s: &Settings) -> String {
             format!("up to {} bodies that sink {} m refined by {times}", s.refine_bodies, s.refine_sink)
         }
     };
-    format!("{sweeps}, {contacts}, {refined}")
+    let joints = if s.direct_joints { "" } else { ", joints one by one" };
+    format!("{sweeps}, {contacts}, {refined}{joints}")
 }
 
 /// The presets, then what differs from `balanced` in one setting, then split contacts at more and fewer substeps
@@ -144,6 +145,14 @@ pub fn configs(kind: Kind) -> Vec<Config> {
         }
         for relax_sweeps in [0, 2] {
             add(format!("{relax_sweeps} relax sweeps"), Settings { relax_sweeps, ..balanced });
+        }
+    }
+    if kind.has_joints() {
+        let loose = Settings { direct_joints: false, ..plain };
+        for (substeps, relax_sweeps) in [(1, 0), (1, 1), (2, 1), (4, 1), (8, 1)] {
+            let swept = if relax_sweeps == 0 { ", 0 relax sweeps" } else { "" };
+            let name = format!("{substeps} substeps, iterative joints{swept}");
+            add(name, Settings { substeps, relax_sweeps, ..loose });
         }
     }
     if kind.has_contacts() {
