@@ -9,8 +9,8 @@ use crate::lanes::{LANES, LaneVec, Words, transpose};
 use crate::math::Vec3;
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::layout::EMPTY;
-use crate::pipeline::mover;
 use crate::pipeline::rows::Frame;
+use crate::pipeline::{leapfrog, mover};
 use crate::state::State;
 use bytemuck::Zeroable;
 
@@ -79,6 +79,7 @@ fn gather(scene: &Scene<'_>, (row, to): (&mut BallRow, &mut Gathered), (joint, l
         if index != IMMOVABLE {
             let body = &scene.active[index as usize];
             row.locked |= u32::from(body.locks != 0.0);
+            row.leaps |= u32::from(leapfrog::leaps(scene.marks, slot)) << lane;
             let [xx, yy, zz, xy, xz, yz] = body.root;
             to.masses[end][lane] = Words::new([xx, yy, zz, xy, xz, yz, body.inverse_mass, body.locks]);
         }

@@ -149,6 +149,7 @@ pub fn configs(kind: Kind) -> Vec<Config> {
     }
     if kind.has_joints() {
         let loose = Settings { direct_joints: false, ..plain };
+        add("1 substeps, 0 relax sweeps".to_string(), Settings { substeps: 1, relax_sweeps: 0, ..plain });
         for (substeps, relax_sweeps) in [(1, 0), (1, 1), (2, 1), (4, 1), (8, 1)] {
             let swept = if relax_sweeps == 0 { ", 0 relax sweeps" } else { "" };
             let name = format!("{substeps} substeps, iterative joints{swept}");

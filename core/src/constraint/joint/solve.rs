@@ -5,6 +5,7 @@ use super::super::velocities::{Velocities, root_times};
 use super::follow::Turning;
 use super::{BoundRow, JointLink, LockRow, Ways};
 use crate::lanes::{Lane, LaneVec, Mask};
+use crate::pipeline::leapfrog::lanes_of;
 use bytemuck::{Pod, Zeroable};
 
 /// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
@@ -73,6 +74,18 @@ pub(super) fn relaxed<const N: usize>(
         let x = row.add(x);
         mean.apply(u, x);
         link.note_turn(row, mean, x);
+    }
+}
+
+/// The velocities of joints that leap fit again after the rest of the push.
+pub(super) fn leap<const N: usize>(
+    u: &mut Velocities,
+    (link, locks): (&JointLink, &mut [LockRow; N]),
+    counts: bool,
+) {
+    let x = solve_locks(u, locks, [Lane::ZERO; N]);
+    for (row, x) in locks.iter_mut().zip(x) {
+        row.leap(u, lanes_of(link.leaps).keep(x), counts);
     }
 }
 
@@ -208,6 +221,13 @@ impl LockRow {
         // Immovable bodies have no nudges: their motion is in the velocities.
         let back = (self.error * self.rate).least(most).greatest(-most);
         back + self.ways.direction.dot(curvature) - self.ways.drift
+    }
+
+    /// Applies an impulse that counts as one of the substep, or does not.
+    #[inline(always)]
+    pub(super) fn leap(&mut self, u: &mut Velocities, x: Lane, counts: bool) {
+        let x = if counts { self.add(x) } else { x.finite() };
+        self.ways.apply(u, x);
     }
 
     /// Adds to the impulse; returns by how much it changes.
