@@ -285,10 +285,11 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
         let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
         *mover = MoverRow::enter(seats, entry, (scene.substep, is_jointed));
         if !scene.marks.is_empty() {
-            let leaps = |lane: usize| {
-                entry(lane).is_some_and(|(active, ..)| leapfrog::leaps(scene.marks, active.body))
+            let bits = |of: fn(&[u32], u32) -> bool| {
+                let is = |lane| entry(lane).is_some_and(|(active, ..)| of(scene.marks, active.body));
+                (0..LANES).fold(0, |bits, lane| bits | u32::from(is(lane)) << lane)
             };
-            mover.leaps = (0..LANES).fold(0, |bits, lane| bits | u32::from(leaps(lane)) << lane);
+            (mover.leaps, mover.alone) = (bits(leapfrog::leaps), bits(leapfrog::leaps_alone));
         }
     }
 }

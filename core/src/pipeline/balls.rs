@@ -9,6 +9,7 @@ use crate::lanes::{LANES, LaneVec, Words, transpose};
 use crate::math::Vec3;
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::layout::EMPTY;
+use crate::pipeline::leapfrog::lanes_of;
 use crate::pipeline::rows::Frame;
 use crate::pipeline::{leapfrog, mover};
 use crate::state::State;
@@ -58,7 +59,7 @@ pub(crate) fn fill(
     };
     (row.root_a, row.root_b) = (root(a), root(b));
     let [cx, cy, cz, _, x, y, z, _] = transpose(rest);
-    row.impulse = LaneVec::new(x, y, z);
+    row.impulse = lanes_of(row.leaps).select_vec(LaneVec::ZERO, LaneVec::new(x, y, z));
     (row.arm_a, row.arm_b) = (arms[0], arms[1]);
     row.lever_a = LaneVec::new(cx, cy, cz) + arms[1];
     row.weigh(free_axes(a[7]).times(a[6]) + free_axes(b[7]).times(b[6]));

@@ -234,8 +234,9 @@ fn set_locks(
 ) {
     let coupled = signature.is_gear() || signature.is_rack();
     let axes = locks_of(signature).chain(coupled.then_some(0));
+    let is_fresh = joint.bodies.iter().any(|&slot| leapfrog::leaps_alone(scene.marks, slot));
     for (row, axis) in locks.iter_mut().zip(axes) {
-        row.impulse.set(lane, joint.impulses[axis]);
+        row.impulse.set(lane, if is_fresh { 0.0 } else { joint.impulses[axis] });
         if signature.is_distance() {
             row.error.set(lane, measure.shifts[0] - joint.axes[0].lower);
         } else if coupled {

@@ -61,6 +61,13 @@ pub(crate) fn leaps(marks: &[u32], slot: u32) -> bool {
     marks.get(slot as usize).is_some_and(|mark| mark & LEAPS != 0)
 }
 
+/// True for a body with this mark that leaps and has one joint. Its joint needs no warm start, and is better off
+/// without: the impulses that a body has taken are known as a difference of its velocities, whose rounding would
+/// go into the next substep's and so grow with the square of the substeps.
+pub(crate) fn leaps_alone(marks: &[u32], slot: u32) -> bool {
+    marks.get(slot as usize).is_some_and(|mark| mark & (LEAPS | ARTICULATED) == LEAPS)
+}
+
 /// The bodies of a link that move.
 fn ends(link: &Link) -> impl Iterator<Item = usize> {
     [link.a, link.b].into_iter().filter(|&body| body != IMMOVABLE).map(|body| body as usize)

@@ -53,8 +53,10 @@ pub(crate) struct MoverRow {
     slender: u32,
     /// Bit for each lane whose body gets half of a push first and half last: see `pipeline/leapfrog.rs`.
     pub leaps: u32,
+    /// Bit for each of them that begins a substep without the impulses of the one before.
+    pub alone: u32,
     /// Zero.
-    reserved: [u32; 5],
+    reserved: [u32; 4],
 }
 
 /// A top is slender when the moment about its long axis is less than a third of the next one.
@@ -146,7 +148,8 @@ impl MoverRow {
     /// sum on a body is the difference `v - star` that they made.
     pub fn push_again(&mut self, seats: &mut [Seat; LANES], nudges: bool) {
         for (lane, seat) in seats.iter_mut().enumerate() {
-            let warm = seat.velocity - self.star[lane];
+            let is_alone = self.alone >> lane & 1 == 1;
+            let warm = if is_alone { Words::ZERO } else { seat.velocity - self.star[lane] };
             self.star[lane] = self.pushed(lane, seat.velocity, self.push[lane]);
             seat.velocity = self.star[lane] + warm;
             if nudges {

@@ -86,6 +86,11 @@ impl BallRow {
     fn press(&mut self, sweep: &Sweep, seats: &mut [Seat]) {
         let mut u = self.velocities(seats);
         if self.turns != 0 {
+            if self.leaps != 0 {
+                // What leaps alone begins anew.
+                let none = |v: LaneVec| lanes_of(self.leaps).select_vec(LaneVec::ZERO, v);
+                (self.impulse, self.pressed) = (none(self.impulse), none(self.pressed));
+            }
             // The impulse acts along the levers of now; half of what the relax sweeps gave did already.
             let both = self.impulse + self.pressed;
             let turn_a = root_times(&self.root_a, self.half_a.cross(both));
@@ -119,7 +124,14 @@ impl BallRow {
         }
         let x = self.substitute(self.rate(&u));
         let x = self.add(x);
-        self.push(&mut u, x, (self.lever_a - self.half_a, self.arm_b - self.half_b));
+        let levers = (self.lever_a - self.half_a, self.arm_b - self.half_b);
+        self.push(&mut u, x, levers);
+        if self.leaps != 0 {
+            // The factor is that of the levers of now.
+            let x = lanes_of(self.leaps).keep_vec(self.substitute(self.rate(&u)));
+            let x = self.add(x);
+            self.push(&mut u, x, levers);
+        }
         u.scatter((&self.seats_a, &self.seats_b), seats);
     }
 

@@ -30,6 +30,7 @@ pub(super) fn biased<const N: usize>(
     link: &mut JointLink,
     (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
 ) {
+    link.begin(locks);
     link.take_turns(u);
     BoundRow::visit(bounds, u, true);
     let wanted = core::array::from_fn(|i| locks[i].wanted(true));
@@ -74,6 +75,17 @@ pub(super) fn relaxed<const N: usize>(
         let x = row.add(x);
         mean.apply(u, x);
         link.note_turn(row, mean, x);
+    }
+    if link.leaps == 0 {
+        return;
+    }
+    // The matrix is that of the axes of now, the impulses act along the mean ones: once more where that is what is
+    // left of the error.
+    let leaps = lanes_of(link.leaps);
+    let x = solve_locks(u, locks, [Lane::ZERO; N]);
+    for ((row, mean), x) in locks.iter_mut().zip(means).zip(x) {
+        let x = row.add(leaps.keep(x));
+        mean.apply(u, x);
     }
 }
 
@@ -183,6 +195,18 @@ fn top_way(
 }
 
 impl JointLink {
+    /// Forgets the impulses of the substep before where the bodies leap alone.
+    #[inline(always)]
+    fn begin(&mut self, locks: &mut [LockRow]) {
+        if self.leaps != 0 && self.turns != 0 {
+            let (leaps, zero) = (lanes_of(self.leaps), Lane::ZERO);
+            let none = |v: LaneVec| leaps.select_vec(LaneVec::ZERO, v);
+            locks.iter_mut().for_each(|row| row.impulse = leaps.select(zero, row.impulse));
+            self.turn_push = none(self.turn_push);
+            (self.turn_a, self.turn_b) = (none(self.turn_a), none(self.turn_b));
+        }
+    }
+
     /// Applies what the new axes change of the warm start, once.
     #[inline(always)]
     pub(super) fn take_turns(&mut self, u: &mut Velocities) {
