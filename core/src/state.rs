@@ -289,6 +289,9 @@ pub(crate) const ORDERING_FITS: u32 = 1;
 /// After a restore: the ordering, and the layout with it, are of a state before. The next step compares.
 pub(crate) const ORDERING_UNCHECKED: u32 = 2;
 
+/// Bit of an arrangement of joints: all of them are links of the ordering.
+pub(crate) const ALL_LOOSE: u32 = 1 << 31;
+
 /// What the trees of the broadphase were built from.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -322,7 +325,8 @@ pub(crate) struct CacheHeader {
     pub moving_left: u32,
     /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
     pub queried: u32,
-    /// Number of joints that are arranged, plus 1; 0 when there is no arrangement.
+    /// Number of joints that are arranged, plus 1, and `ALL_LOOSE` if none was to be held at once; 0 when there is
+    /// no arrangement.
     pub arranged: u32,
     /// Of these, joints that are links of the ordering.
     pub loose_joints: u32,

@@ -357,7 +357,8 @@ impl Chase<'_> {
             let theirs = &self.state.bodies[self.state.shapes[other as usize].body as usize];
             !theirs.is_dynamic() || theirs.has(ASLEEP)
         };
-        !(resting.any(&region, stops) || self.moving_stops && moving.any(&region, stops))
+        let any = resting.any(&region, stops) || (self.moving_stops && moving.any(&region, stops));
+        !any
     }
 
     /// Where a body ends that would be stopped at once: it is at a wall and turns so that another point of it

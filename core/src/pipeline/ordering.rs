@@ -14,7 +14,7 @@ use crate::pipeline::layout::{self, Plan, REFINED_KIND, TIERS};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{articulations, balls, refine, spread};
 use crate::state::{
-    Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
+    ALL_LOOSE, Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
 };
 
 /// Contacts whose links are worth a task.
@@ -359,8 +359,8 @@ fn link_of(slots: [u32; 2], active_of: &[u32], kind: u32) -> (Link, Link) {
 pub(crate) fn write_joints(
     state: &State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    contacts: usize,
-    held: usize,
+    (contacts, held): (usize, usize),
+    direct: bool,
 ) -> usize {
     if state.header[0].refine != 0 {
         for link in &mut scratch.held_links[..held] {
@@ -368,7 +368,7 @@ pub(crate) fn write_joints(
             link.kind |= refine::tier_of(state, slot) as u32 * REFINED_KIND;
         }
     }
-    let loose = arrange(cache, scratch, held);
+    let loose = arrange(cache, scratch, held, direct);
     let active_of = &*scratch.active_of;
     for (rank, &slot) in scratch.held_slots[..held].iter().enumerate() {
         let place = cache.joint_order[rank] as usize;
@@ -407,11 +407,13 @@ pub(crate) fn list_held(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
     held
 }
 
-/// Arranges the held joints, unless they are those of the step before. Returns how many are loose.
-fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize) -> usize {
+/// Arranges the held joints, unless they are those of the step before: for a direct solve, or all of them loose.
+/// Returns how many are loose.
+fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize, direct: bool) -> usize {
     let links = &scratch.held_links[..held];
     let header = &mut cache.header[0];
-    if header.arranged as usize == held + 1 && cache.arranged_links[..held] == *links {
+    let arranged = (held as u32 + 1) | if direct { 0 } else { ALL_LOOSE };
+    if header.arranged == arranged && cache.arranged_links[..held] == *links {
         return header.loose_joints as usize;
     }
     let mut tables = articulations::Tables {
@@ -426,9 +428,13 @@ fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize) -> usi
         members: scratch.joint_members,
         found: scratch.joint_runs,
     };
-    let arrangement = articulations::arrange(links, &mut tables);
+    let arrangement = if direct {
+        articulations::arrange(links, &mut tables)
+    } else {
+        articulations::leave_loose(held, &mut tables)
+    };
     cache.arranged_links[..held].copy_from_slice(links);
-    header.arranged = held as u32 + 1;
+    header.arranged = arranged;
     header.loose_joints = arrangement.loose as u32;
     header.articulations = arrangement.rows as u32;
     // Equal links may lie in other rows.
