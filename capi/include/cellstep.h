@@ -336,6 +336,8 @@ typedef struct {
   uint32_t relax_sweeps;
   // Visits of each block in a sweep, 1..=64.
   uint32_t inner_sweeps;
+  // 1 to hold joints that hang together at once, 0 to visit each by itself.
+  uint32_t direct_joints;
   // `CS_CONTACT_SOFT`, `CS_CONTACT_RIGID` or `CS_CONTACT_SPLIT`.
   uint32_t contact_model;
   // `CS_FRICTION_PATCH` or `CS_FRICTION_POINTS`.

@@ -256,6 +256,8 @@ pub struct CsSettings {
     pub relax_sweeps: u32,
     /// Visits of each block in a sweep, 1..=64.
     pub inner_sweeps: u32,
+    /// 1 to hold joints that hang together at once, 0 to visit each by itself.
+    pub direct_joints: u32,
     /// `CS_CONTACT_SOFT`, `CS_CONTACT_RIGID` or `CS_CONTACT_SPLIT`.
     pub contact_model: u32,
     /// `CS_FRICTION_PATCH` or `CS_FRICTION_POINTS`.
@@ -306,6 +308,7 @@ impl From<Settings> for CsSettings {
             sweeps_max: s.sweeps_max,
             relax_sweeps: s.relax_sweeps,
             inner_sweeps: s.inner_sweeps,
+            direct_joints: u32::from(s.direct_joints),
             contact_model: match s.contact_model {
                 ContactModel::Soft => CS_CONTACT_SOFT,
                 ContactModel::Rigid => CS_CONTACT_RIGID,
@@ -346,6 +349,7 @@ impl CsSettings {
             sweeps_max: self.sweeps_max,
             relax_sweeps: self.relax_sweeps,
             inner_sweeps: self.inner_sweeps,
+            direct_joints: self.direct_joints != 0,
             contact_model: match self.contact_model {
                 CS_CONTACT_SOFT => ContactModel::Soft,
                 CS_CONTACT_RIGID => ContactModel::Rigid,

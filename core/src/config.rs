@@ -102,6 +102,11 @@ pub struct Settings {
     /// How often a sweep visits each block before the barrier, `1..=64`: convergence within blocks without more
     /// barriers. The last sweep of a substep visits once, since the seams between blocks come last.
     pub inner_sweeps: u32,
+    /// True to hold joints that hang together at once, by one direct solve in each visit: a chain then does not
+    /// stretch, however light its links are. False to visit each joint by itself, like a contact: cheaper, and
+    /// chains and linkages lag behind by what a sweep leaves, the more the longer they are and the greater their
+    /// loads. A joint that hangs alone is the same either way, but for rounding.
+    pub direct_joints: bool,
     /// Soft contacts, rigid ones (plain projected Gauss-Seidel), or split ones.
     pub contact_model: ContactModel,
     /// Whether friction is that of the patch of a contact, or of each of its points.
@@ -198,6 +203,7 @@ impl Default for Settings {
             sweeps_max: SWEEPS_MAX,
             relax_sweeps: 1,
             inner_sweeps: 1,
+            direct_joints: true,
             contact_model: ContactModel::Soft,
             friction_model: FrictionModel::Patch,
             manifold_drift: MANIFOLD_DRIFT,
@@ -290,6 +296,8 @@ const NOT_CONTINUOUS: u32 = 1 << 8;
 const RESIDUAL: u32 = 1 << 9;
 /// Bit of the modes: each point has a cone of friction.
 const POINTS: u32 = 1 << 10;
+/// Bit of the modes: joints are visited one by one.
+const LOOSE_JOINTS: u32 = 1 << 16;
 
 /// [`Settings`] as bytes of the state.
 #[repr(C)]
@@ -303,7 +311,7 @@ pub(crate) struct SettingsRow {
     sweeps_max: u32,
     relax_sweeps: u32,
     inner_sweeps: u32,
-    /// The contact model, [`NOT_CONTINUOUS`], [`RESIDUAL`] and [`POINTS`].
+    /// The contact model, [`NOT_CONTINUOUS`], [`RESIDUAL`], [`POINTS`] and [`LOOSE_JOINTS`].
     modes: u32,
     manifold_drift: f32,
     contact_frequency: f32,
@@ -364,7 +372,8 @@ impl From<&Settings> for SettingsRow {
             modes: s.contact_model as u32
                 | if s.continuous { 0 } else { NOT_CONTINUOUS }
                 | if s.residual { RESIDUAL } else { 0 }
-                | if s.friction_model == FrictionModel::Points { POINTS } else { 0 },
+                | if s.friction_model == FrictionModel::Points { POINTS } else { 0 }
+                | if s.direct_joints { 0 } else { LOOSE_JOINTS },
             manifold_drift: s.manifold_drift,
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
@@ -401,7 +410,7 @@ impl SettingsRow {
 
     /// The settings; `None` when the row was not made by [`SettingsRow::from`].
     pub(crate) fn read(&self) -> Option<Settings> {
-        let contact_model = match self.modes & !(NOT_CONTINUOUS | RESIDUAL | POINTS) {
+        let contact_model = match self.modes & !(NOT_CONTINUOUS | RESIDUAL | POINTS | LOOSE_JOINTS) {
             0 => ContactModel::Soft,
             1 => ContactModel::Rigid,
             2 => ContactModel::Split,
@@ -419,6 +428,7 @@ impl SettingsRow {
             sweeps_max: self.sweeps_max,
             relax_sweeps: self.relax_sweeps,
             inner_sweeps: self.inner_sweeps,
+            direct_joints: self.modes & LOOSE_JOINTS == 0,
             contact_model,
             friction_model: if self.has_cones() { FrictionModel::Points } else { FrictionModel::Patch },
             manifold_drift: self.manifold_drift,

@@ -17,6 +17,7 @@ pub(crate) mod finish;
 pub(crate) mod integration;
 pub(crate) mod joints;
 pub(crate) mod layout;
+pub(crate) mod leapfrog;
 pub(crate) mod meeting;
 pub(crate) mod mover;
 pub(crate) mod narrowphase;
@@ -30,6 +31,7 @@ pub(crate) mod seat;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod solver;
+pub(crate) mod spread;
 pub(crate) mod stiffening;
 pub(crate) mod tasks;
 
@@ -63,6 +65,8 @@ pub(crate) struct Counts {
     /// Fast bodies, and those of them that were stopped on their way.
     pub fast: u32,
     pub cut: u32,
+    /// Whether there are kinematic bodies.
+    pub kinematic: bool,
     /// Bodies that have been quiet for long enough.
     pub ready: u32,
     /// Pairs in the scratch's list of those whose contacts ended, and of those whose began.
@@ -205,8 +209,10 @@ fn activate<E: Executor>(
     let contacts = ordering::write_contacts(state, scratch, crew);
     let held = ordering::list_held(state, scratch);
     refine::run(state, scratch, settings, (contacts, held));
-    let loose = ordering::write_joints(state, (cache, scratch), contacts, held);
-    Links { bodies: count, contacts, joints: loose, articulated: held - loose }
+    let loose = ordering::write_joints(state, (cache, scratch), (contacts, held), settings.direct_joints);
+    let links = Links { bodies: count, contacts, joints: loose, articulated: held - loose };
+    leapfrog::mark(state, (cache, scratch), links);
+    links
 }
 
 fn report(

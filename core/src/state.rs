@@ -289,6 +289,9 @@ pub(crate) const ORDERING_FITS: u32 = 1;
 /// After a restore: the ordering, and the layout with it, are of a state before. The next step compares.
 pub(crate) const ORDERING_UNCHECKED: u32 = 2;
 
+/// Bit of an arrangement of joints: all of them are links of the ordering.
+pub(crate) const ALL_LOOSE: u32 = 1 << 31;
+
 /// What the trees of the broadphase were built from.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -318,14 +321,19 @@ pub(crate) struct CacheHeader {
     pub ordered_joints: u32,
     /// 1 when the leaves of the tree of moving shapes are the right ones, whatever their boxes.
     pub moving_listed: u32,
+    /// How often a shape has left its box since these leaves were sorted.
+    pub moving_left: u32,
     /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
     pub queried: u32,
-    /// Number of joints that are arranged, plus 1; 0 when there is no arrangement.
+    /// Number of joints that are arranged, plus 1, and `ALL_LOOSE` if none was to be held at once; 0 when there is
+    /// no arrangement.
     pub arranged: u32,
     /// Of these, joints that are links of the ordering.
     pub loose_joints: u32,
     /// Rows of articulations.
     pub articulations: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 region! {

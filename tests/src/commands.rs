@@ -276,6 +276,7 @@ impl Any<'_> {
             sweeps_max: 1 + self.0.below(8) as u32,
             relax_sweeps: self.0.below(2) as u32,
             inner_sweeps: 1 + self.0.below(2) as u32,
+            direct_joints: self.flag(),
             contact_model: model,
             friction_model: if self.flag() { FrictionModel::Patch } else { FrictionModel::Points },
             manifold_drift: self.number(),

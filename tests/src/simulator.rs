@@ -386,6 +386,7 @@ impl Simulator {
             hit_speed: self.random.between(0.0, 3.0),
             moved_list: self.random.below(4) > 0,
             residual: settings.substeps.is_multiple_of(2),
+            direct_joints: !settings.substeps.is_multiple_of(3),
             ..settings
         }
     }

@@ -311,6 +311,7 @@ fields!(Settings {
     sweeps_max: u32,
     relax_sweeps: u32,
     inner_sweeps: u32,
+    direct_joints: bool,
     contact_model: ContactModel,
     friction_model: FrictionModel,
     manifold_drift: f32,

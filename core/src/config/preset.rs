@@ -62,6 +62,7 @@ impl Preset {
             sweeps: 1,
             relax_sweeps: 1,
             inner_sweeps: 1,
+            direct_joints: true,
             refine,
             refine_bodies: super::REFINE_BODIES,
             refine_sink,

@@ -56,6 +56,11 @@ impl SpringRow {
         })
     }
 
+    /// True for a spring, however stiff.
+    pub fn gives(&self) -> bool {
+        self.kind != SPRING_NONE
+    }
+
     /// How a row gives that changes its rate by `yields` for each unit of impulse, over a substep of `h` seconds:
     /// with stiffness k and damping c, `(c + h k) (rate + give impulse) = k error + c velocity`. `None` without a
     /// spring; a give of infinity where there is neither stiffness nor damping.

@@ -134,6 +134,12 @@ pub(crate) fn arrange(links: &[Link], tables: &mut Tables<'_>) -> Arrangement {
     Arrangement { loose, rows }
 }
 
+/// Leaves all of so many joints loose, in their order.
+pub(crate) fn leave_loose(joints: usize, tables: &mut Tables<'_>) -> Arrangement {
+    tables.places[..joints].iter_mut().zip(0..).for_each(|(place, rank)| *place = rank);
+    Arrangement { loose: joints, rows: 0 }
+}
+
 /// Gathers joints into sets of bodies; writes a key for each joint of a set, sorted by set and then rank. Returns
 /// how many they are.
 fn gather(links: &[Link], tables: &mut Tables<'_>) -> usize {

@@ -19,7 +19,7 @@ use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take, take_some};
 use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{balls, events, joints, refine};
+use crate::pipeline::{balls, events, joints, leapfrog, refine};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
 use bytemuck::Zeroable;
@@ -47,6 +47,8 @@ pub(crate) struct Scene<'a> {
     pub joint_axes: &'a [[AxisRow; 6]],
     /// By slot of a body: not 0 for one with joints.
     pub first_joints: &'a [u32],
+    /// Marks of `pipeline/leapfrog.rs` by slot of a body; none where nothing leaps.
+    pub marks: &'a [u32],
     /// Slots of the joints that are links.
     pub joint_slots: &'a [u32],
     /// Index among the active bodies by slot.
@@ -105,7 +107,8 @@ pub(crate) fn prepare_bodies<E: Executor>(
     crew: &mut Crew<'_, E>,
 ) {
     let share = chunk(bodies, PREPARE_BODIES);
-    let mut tasks: Tasks<&mut [Active]> = scratch.active[..bodies].chunks_mut(share).collect();
+    let mut tasks: Tasks<&mut [Active]> = Tasks::new();
+    scratch.active[..bodies].chunks_mut(share).for_each(|active| push(&mut tasks, active));
     let substeps = settings.tiers().map(|tier| tier.substep());
     let gravity = settings.gravity;
     crew.run(Stage::Assembly, &mut tasks, |active| {
@@ -138,6 +141,7 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
+    let marks = if plan.joints > 0 && settings.relax_sweeps > 0 { &*scratch.joint_marks } else { &[] };
     let scenes = settings.tiers().map(|settings| Scene {
         bodies: state.bodies,
         motions: state.motions,
@@ -153,6 +157,7 @@ pub(crate) fn fill<E: Executor>(
         joints: state.joints,
         joint_axes: state.joint_axes,
         first_joints: state.first_joints,
+        marks,
         joint_slots: scratch.joint_slots,
         active_of: scratch.active_of,
         softness: Softnesses::new(&settings),
@@ -250,15 +255,17 @@ impl Task<'_> {
             let bodies = &lanes.seat_bodies[group.first_seat as usize..][..own_seats.len()];
             let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
+            group.leaps = 0;
             let mut joints = self.joints.take(group);
             let mut left = joints.reborrow();
             let first = group.first_joint as usize;
             let (balls, end) = (first + group.balls as usize, first + group.joints as usize);
             for (row, ball) in (first..balls).zip(&mut *left.balls) {
                 balls::fill(scene, ball, (&lanes.joints[row], &lanes.joint_seats[row]));
+                group.leaps |= ball.leaps;
             }
             for row in balls..end {
-                joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
+                group.leaps |= joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
             }
             lanes.patterns.of(group).each(joints, |articulation| articulation.factor());
             let mut own_points = take(&mut points, group.points as usize);
@@ -282,7 +289,10 @@ impl Task<'_> {
 
 /// Seats hold zeros until they pull; those of phase 0 start with the bodies' velocities.
 fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow]), bodies: &[u32]) {
-    seats.fill(Seat::zeroed());
+    if movers.is_empty() {
+        seats.fill(Seat::zeroed());
+        return;
+    }
     let (eights, _) = seats.as_chunks_mut::<LANES>();
     for ((mover, seats), bodies) in movers.iter_mut().zip(eights).zip(bodies.chunks(LANES)) {
         // A seat without a body has no index of one.
@@ -292,6 +302,13 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
             Some((active, &scene.motions[slot], &scene.bodies[slot]))
         };
         let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
-        *mover = MoverRow::enter(seats, entry, (scene.substep, is_jointed));
+        mover.enter(seats, entry, (scene.substep, is_jointed));
+        if !scene.marks.is_empty() {
+            let bits = |of: fn(&[u32], u32) -> bool| {
+                let is = |lane| entry(lane).is_some_and(|(active, ..)| of(scene.marks, active.body));
+                (0..LANES).fold(0, |bits, lane| bits | u32::from(is(lane)) << lane)
+            };
+            (mover.leaps, mover.alone) = (bits(leapfrog::leaps), bits(leapfrog::leaps_alone));
+        }
     }
 }

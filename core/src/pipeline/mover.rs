@@ -51,8 +51,12 @@ pub(crate) struct MoverRow {
     tops: u32,
     /// Bit for each lane with a slender top that has no joints.
     slender: u32,
+    /// Bit for each lane whose body gets half of a push first and half last: see `pipeline/leapfrog.rs`.
+    pub leaps: u32,
+    /// Bit for each of them that begins a substep without the impulses of the one before.
+    pub alone: u32,
     /// Zero.
-    reserved: [u32; 6],
+    reserved: [u32; 4],
 }
 
 /// A top is slender when the moment about its long axis is less than a third of the next one.
@@ -62,17 +66,20 @@ const SLENDER: f32 = 2.0;
 const VIEW_ERROR: f32 = 0.1;
 
 impl MoverRow {
-    /// The row of bodies at the start of a step of `substep` seconds per substep, and their seats; where `entry`
-    /// has none, nothing moves.
+    /// Makes the row that of bodies at the start of a step of `substep` seconds per substep, and their seats; where
+    /// `entry` has none, nothing moves.
     pub fn enter<'a>(
+        &mut self,
         seats: &mut [Seat; LANES],
         entry: impl Fn(usize) -> Option<(&'a Active, &'a Motion, &'a BodyRow)>,
         (substep, is_jointed): (f32, impl Fn(u32) -> bool),
-    ) -> Self {
-        let mut row = Self::zeroed();
+    ) {
+        let row = self;
+        *row = Self::zeroed();
         let mut frames = [Words::new([0.0, 0.0, 0.0, 1.0, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]); LANES];
         let mut turns = [Words::ZERO; LANES];
         for (lane, seat) in seats.iter_mut().enumerate() {
+            *seat = Seat::zeroed();
             if let Some(body) = entry(lane) {
                 row.enter_velocity(lane, body, substep);
                 seat.velocity = row.star[lane];
@@ -96,7 +103,6 @@ impl MoverRow {
             row.axis = row.frame.third();
             row.view = row.axis;
         }
-        row
     }
 
     fn enter_velocity(
@@ -121,17 +127,32 @@ impl MoverRow {
     /// Velocities of the first substep: gravity, forces, damping. The warm sweep follows.
     pub fn push_first(&mut self, seats: &mut [Seat; LANES]) {
         for (lane, seat) in seats.iter_mut().enumerate() {
-            self.star[lane] = self.pushed(lane, seat.velocity);
+            let push = if self.leaps >> lane & 1 == 1 { self.half_push(lane) } else { self.push[lane] };
+            self.star[lane] = self.pushed(lane, seat.velocity, push);
             seat.velocity = self.star[lane];
         }
+    }
+
+    /// The second half of the push of bodies that leap, after the last substep.
+    pub fn push_last(&mut self, seats: &mut [Seat; LANES]) {
+        for (lane, seat) in seats.iter_mut().enumerate() {
+            if self.leaps >> lane & 1 == 1 {
+                seat.velocity = seat.velocity + self.half_push(lane);
+            }
+        }
+    }
+
+    fn half_push(&self, lane: usize) -> Words {
+        self.push[lane] * Words::new([0.5; 8])
     }
 
     /// Velocities of a later substep: as the first, then the impulses of the substep before as warm start. Their
     /// sum on a body is the difference `v - star` that they made.
     pub fn push_again(&mut self, seats: &mut [Seat; LANES], nudges: bool) {
         for (lane, seat) in seats.iter_mut().enumerate() {
-            let warm = seat.velocity - self.star[lane];
-            self.star[lane] = self.pushed(lane, seat.velocity);
+            let is_alone = self.alone >> lane & 1 == 1;
+            let warm = if is_alone { Words::ZERO } else { seat.velocity - self.star[lane] };
+            self.star[lane] = self.pushed(lane, seat.velocity, self.push[lane]);
             seat.velocity = self.star[lane] + warm;
             if nudges {
                 seat.moved = Words::ZERO;
@@ -140,8 +161,8 @@ impl MoverRow {
     }
 
     #[inline(always)]
-    fn pushed(&self, lane: usize, velocity: Words) -> Words {
-        let v = velocity + self.push[lane];
+    fn pushed(&self, lane: usize, velocity: Words, push: Words) -> Words {
+        let v = velocity + push;
         let v = v - v * self.loss[lane];
         // Inverse mass and locks stay as they are.
         let tiny = Words::new([1.0e-18, 1.0e-18, 1.0e-18, 0.0, 1.0e-18, 1.0e-18, 1.0e-18, 0.0]);

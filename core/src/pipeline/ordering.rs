@@ -12,9 +12,9 @@ use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan, REFINED_KIND, TIERS};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{articulations, balls, refine};
+use crate::pipeline::{articulations, balls, refine, spread};
 use crate::state::{
-    Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
+    ALL_LOOSE, Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
 };
 
 /// Contacts whose links are worth a task.
@@ -45,6 +45,10 @@ pub(crate) fn run<S: Scheduler>(
     let mut blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
     if refined > 0 && !is_own {
         blocks = split_blocks(state, scratch, blocks);
+    }
+    if is_own {
+        let (contacts, blocks) = (links.contacts as u32, &scratch.blocks[..blocks]);
+        spread::run(scratch.order, blocks, (scratch.links, contacts), scratch.body_rows);
     }
     let plan = lay_out(state, (cache, scratch), (links, blocks), refined);
     cache.refined.fill(0);
@@ -290,6 +294,7 @@ fn lay_out(
         phase_seats: scratch.phase_seats,
         first_seats: cache.first_seats,
         block_chains: scratch.block_chains,
+        body_rows: scratch.body_rows,
     };
     layout::lay_out(&schedule, &mut tables)
 }
@@ -354,8 +359,8 @@ fn link_of(slots: [u32; 2], active_of: &[u32], kind: u32) -> (Link, Link) {
 pub(crate) fn write_joints(
     state: &State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    contacts: usize,
-    held: usize,
+    (contacts, held): (usize, usize),
+    direct: bool,
 ) -> usize {
     if state.header[0].refine != 0 {
         for link in &mut scratch.held_links[..held] {
@@ -363,7 +368,7 @@ pub(crate) fn write_joints(
             link.kind |= refine::tier_of(state, slot) as u32 * REFINED_KIND;
         }
     }
-    let loose = arrange(cache, scratch, held);
+    let loose = arrange(cache, scratch, held, direct);
     let active_of = &*scratch.active_of;
     for (rank, &slot) in scratch.held_slots[..held].iter().enumerate() {
         let place = cache.joint_order[rank] as usize;
@@ -402,11 +407,13 @@ pub(crate) fn list_held(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
     held
 }
 
-/// Arranges the held joints, unless they are those of the step before. Returns how many are loose.
-fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize) -> usize {
+/// Arranges the held joints, unless they are those of the step before: for a direct solve, or all of them loose.
+/// Returns how many are loose.
+fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize, direct: bool) -> usize {
     let links = &scratch.held_links[..held];
     let header = &mut cache.header[0];
-    if header.arranged as usize == held + 1 && cache.arranged_links[..held] == *links {
+    let arranged = (held as u32 + 1) | if direct { 0 } else { ALL_LOOSE };
+    if header.arranged == arranged && cache.arranged_links[..held] == *links {
         return header.loose_joints as usize;
     }
     let mut tables = articulations::Tables {
@@ -421,9 +428,13 @@ fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize) -> usi
         members: scratch.joint_members,
         found: scratch.joint_runs,
     };
-    let arrangement = articulations::arrange(links, &mut tables);
+    let arrangement = if direct {
+        articulations::arrange(links, &mut tables)
+    } else {
+        articulations::leave_loose(held, &mut tables)
+    };
     cache.arranged_links[..held].copy_from_slice(links);
-    header.arranged = held as u32 + 1;
+    header.arranged = arranged;
     header.loose_joints = arrangement.loose as u32;
     header.articulations = arrangement.rows as u32;
     // Equal links may lie in other rows.

@@ -78,6 +78,7 @@ fn full_settings() -> SettingsDoc {
         sweeps: Some(2),
         relax_sweeps: Some(0),
         inner_sweeps: Some(3),
+        direct_joints: Some(false),
         contact_model: Some(ContactModelDoc::Rigid),
         friction_model: Some(FrictionModelDoc::Points),
         manifold_drift: Some(0.002),

@@ -115,6 +115,7 @@ pub fn describe(s: &Settings) -> String {
             format!("up to {} bodies that sink {} m refined by {times}", s.refine_bodies, s.refine_sink)
         }
     };
+    let continuous = if s.continuous { "" } else { ", not continuous" };
     let friction = match s.friction_model {
         FrictionModel::Patch => "",
         FrictionModel::Points => ", friction by points",
@@ -124,7 +125,8 @@ pub fn describe(s: &Settings) -> String {
         0.0 => ", manifolds anew".to_string(),
         drift => format!(", manifolds kept for {drift} m"),
     };
-    format!("{sweeps}, {contacts}, {refined}{friction}{manifolds}")
+    let joints = if s.direct_joints { "" } else { ", joints one by one" };
+    format!("{sweeps}, {contacts}, {refined}{friction}{manifolds}{continuous}{joints}")
 }
 
 /// The presets, then what differs from `balanced` in one setting, then split contacts at more and fewer substeps
@@ -140,6 +142,8 @@ pub fn configs(kind: Kind) -> Vec<Config> {
     for substeps in [1, 2, 3, 6, 8] {
         add(format!("{substeps} substeps"), Settings { substeps, ..balanced });
     }
+    // As the peers at their cheapest: what is fast may pass through a wall.
+    add("1 substep, not continuous".to_string(), Settings { substeps: 1, continuous: false, ..balanced });
     // With so many substeps nothing needs refinement.
     let plain = Settings { refine: 1, ..balanced };
     for substeps in [16, 32] {
@@ -154,6 +158,15 @@ pub fn configs(kind: Kind) -> Vec<Config> {
         }
         for relax_sweeps in [0, 2] {
             add(format!("{relax_sweeps} relax sweeps"), Settings { relax_sweeps, ..balanced });
+        }
+    }
+    if kind.has_joints() {
+        let loose = Settings { direct_joints: false, ..plain };
+        add("1 substeps, 0 relax sweeps".to_string(), Settings { substeps: 1, relax_sweeps: 0, ..plain });
+        for (substeps, relax_sweeps) in [(1, 0), (1, 1), (2, 1), (4, 1), (8, 1)] {
+            let swept = if relax_sweeps == 0 { ", 0 relax sweeps" } else { "" };
+            let name = format!("{substeps} substeps, iterative joints{swept}");
+            add(name, Settings { substeps, relax_sweeps, ..loose });
         }
     }
     if kind.has_contacts() {

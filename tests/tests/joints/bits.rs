@@ -4,7 +4,7 @@ use cellstep::joint::axis::{TURN_X, X};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     Axis, BodyDef, BodyHandle, BodyKind, Capacities, Drive, Executor, Geometry, JointDef, JointHandle, Pool,
-    Serial, ShapeDef, Spring,
+    Serial, Settings, ShapeDef, Spring,
 };
 use cellstep_tests::executors::{Random, Shuffled};
 use cellstep_tests::jointed::at;
@@ -84,6 +84,11 @@ impl Play {
 
     /// What a game does between steps.
     fn change(&mut self, world: &mut OwnedWorld, step: u32) {
+        if step % 50 == 30 {
+            let settings = world.settings();
+            let direct_joints = !settings.direct_joints;
+            world.set_settings(&Settings { direct_joints, ..settings }).expect("in range");
+        }
         if step.is_multiple_of(3) {
             let body = self.bodies[self.random.below(u64::from(BODIES)) as usize];
             let push = Vec3::new(self.random.between(-50.0, 50.0), 20.0, self.random.between(0.0, 90.0));

@@ -3,6 +3,7 @@
 mod api;
 mod bits;
 mod drives;
+mod iterative;
 mod limits;
 mod meeting;
 mod partners;

@@ -10,6 +10,9 @@ const SPLIT: [u32; 7] = [2, 3, 4, 6, 8, 12, 16];
 /// Relax sweeps beside one, for scenes with joints.
 const RELAX: [(Preset, u32); 3] = [(Preset::Fast, 2), (Preset::Balanced, 2), (Preset::Balanced, 4)];
 
+/// Joints visited one by one, at numbers of substeps below what the direct solve is worth.
+const ITERATIVE: [u32; 3] = [1, 2, 4];
+
 /// Settings with the name by which people are told of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
@@ -56,6 +59,10 @@ pub fn places(scene: &Settings, has_joints: bool) -> Vec<Place> {
                 format!("{}, {relax_sweeps} relax", preset.name()),
                 Settings { relax_sweeps, ..turned(preset) },
             );
+        }
+        let loose = Settings { refine: 1, direct_joints: false, ..turned(Preset::Fast) };
+        for substeps in ITERATIVE {
+            add(format!("iterative joints/{substeps}"), Settings { substeps, ..loose });
         }
     }
     all

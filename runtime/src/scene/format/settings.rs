@@ -31,6 +31,9 @@ pub struct SettingsDoc {
     /// Visits of each block in a sweep, at least 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_sweeps: Option<u32>,
+    /// Whether joints that hang together are held at once, instead of one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direct_joints: Option<bool>,
     /// How a contact removes overlap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_model: Option<ContactModelDoc>,
@@ -185,6 +188,7 @@ impl SettingsDoc {
             sweeps: Some(settings.sweeps),
             relax_sweeps: Some(settings.relax_sweeps),
             inner_sweeps: Some(settings.inner_sweeps),
+            direct_joints: Some(settings.direct_joints),
             contact_model: Some(settings.contact_model.into()),
             friction_model: Some(settings.friction_model.into()),
             manifold_drift: Some(settings.manifold_drift),
@@ -209,6 +213,7 @@ impl SettingsDoc {
         set(&mut settings.sweeps_max, self.sweeps_max);
         set(&mut settings.relax_sweeps, self.relax_sweeps);
         set(&mut settings.inner_sweeps, self.inner_sweeps);
+        set(&mut settings.direct_joints, self.direct_joints);
         set(&mut settings.contact_model, self.contact_model.map(Into::into));
         set(&mut settings.friction_model, self.friction_model.map(Into::into));
         set(&mut settings.manifold_drift, self.manifold_drift);
