@@ -96,6 +96,12 @@ int main(void) {
     EXPECT(cs_world_set_settings(world, &settings), UNKNOWN_KIND, "contact_model");
     EXPECT(cs_settings_apply_preset(&settings, CS_PRESET_FAST), UNKNOWN_KIND, "contact_model");
     settings = cs_settings_default();
+    settings.friction_model = 2;
+    EXPECT(cs_world_set_settings(world, &settings), UNKNOWN_KIND, "friction_model");
+    settings.friction_model = CS_FRICTION_POINTS;
+    settings.manifold_drift = 0.006f;
+    EXPECT(cs_world_set_settings(world, &settings), OUT_OF_RANGE, "manifold_drift");
+    settings = cs_settings_default();
     EXPECT(cs_settings_apply_preset(&settings, 4), UNKNOWN_KIND, "preset");
     EXPECT(cs_settings_apply_preset(NULL, CS_PRESET_FAST), NULL_POINTER, "settings");
     OK(cs_settings_apply_preset(&settings, CS_PRESET_FAST));

@@ -101,6 +101,18 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "settings.contact_model",
         "expected one of `soft`, `rigid`, `split`",
     ),
+    (
+        "{\"settings\": {\"friction_model\": \"cone\"}}",
+        "line 1, column 33",
+        "settings.friction_model",
+        "expected `patch` or `points`",
+    ),
+    (
+        "{\"settings\": {\"manifold_drift\": 0.01}}",
+        "line 1, column 33",
+        "settings.manifold_drift: found 0.01",
+        "in 0.0..=0.005",
+    ),
     ("{\"materials\": {\"a\": {}, \"a\": {}}}", "line 1, column 15", "materials", "used twice"),
     (
         "{\"materials\": {\"a\": {\"friction\": -1}}}",

@@ -1,16 +1,17 @@
 //! Settled contacts as their user sees them: points that are kept from step to step carry, slide and tip as points
 //! that are found anew in each, and whoever comes late finds the same.
 
+use cellstep::config::MANIFOLD_DRIFT;
 use cellstep::math::{PI, Pose, Rotation, Vec3, cos, sin};
 use cellstep::scene::builtin::Builtin;
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, Geometry, MassProperties, Position, Serial, Settings, ShapeDef,
-    ShapeHandle,
+    BodyDef, BodyHandle, BodyKind, Capacities, Error, Geometry, MassProperties, MaterialTraits, Position,
+    Serial, Settings, ShapeDef, ShapeHandle,
 };
 use cellstep_tests::executors::Random;
 use cellstep_tests::oracles::{GRAVITY, Wide, center, judge, minus, momenta, norm, plus, relative, velocity};
 use cellstep_tests::simulator::snapshot;
-use cellstep_tests::worlds::{OwnedWorld, add, ground, run, world};
+use cellstep_tests::worlds::{OwnedWorld, add, ground, run, world, world_with};
 use std::path::Path;
 
 const CUBE: Geometry = Geometry::Box { half_extents: Vec3::splat(0.5) };
@@ -271,4 +272,100 @@ fn a_body_put_elsewhere_has_no_contact_where_it_was() {
     world.remove_body(lower.0).expect("it exists");
     run(&mut world, 120);
     judge("height after the fall, m", (center(&world, upper.0)[2] - 0.5).abs(), [1.0e-3, 2.0e-3]);
+}
+
+/// Cubes on a static table, stacked and beside each other, some pushed a little: settled contacts everywhere. A
+/// surface that moves by nothing that counts keeps contacts from settling.
+fn stacks(manifold_drift: f32, surface: f32) -> OwnedWorld {
+    let mut world = world_with(Capacities { materials: 1, ..Capacities::for_bodies(40) });
+    world.set_settings(&Settings { manifold_drift, ..Settings::default() }).expect("in range");
+    let shape = |geometry| {
+        let shape = ShapeDef { friction: 0.5, ..ShapeDef::new(geometry) };
+        let traits = MaterialTraits { surface_velocity: Vec3::X * surface, ..shape.traits };
+        ShapeDef { traits, ..shape }
+    };
+    let table = Geometry::Box { half_extents: Vec3::new(8.0, 8.0, 0.5) };
+    add(&mut world, &BodyDef::new(BodyKind::Static, Vec3::Z * -0.5), &shape(table));
+    let mut random = Random::new(17);
+    for i in 0..36 {
+        let mut any = || random.between(-0.02, 0.02);
+        let place = Vec3::new(1.02 * (i % 3) as f32 + any(), 1.02 * (i / 3 % 3) as f32 + any(), 0.5);
+        let def = BodyDef {
+            linear_velocity: Vec3::new(any(), any(), 0.0),
+            ..BodyDef::new(BodyKind::Dynamic, place + Vec3::Z * (i / 9) as f32)
+        };
+        add(&mut world, &def, &shape(CUBE));
+    }
+    world
+}
+
+/// Where all bodies are and how they move, to the bit.
+fn motion(world: &OwnedWorld) -> Vec<[u64; 6]> {
+    let of = |body| {
+        let (p, v) = (center(world, body), velocity(world, body));
+        [p[0], p[1], p[2], v[0], v[1], v[2]].map(f64::to_bits)
+    };
+    world.bodies().map(of).collect()
+}
+
+#[test]
+fn without_drift_every_manifold_is_found_anew() {
+    // A contact with a surface that moves never settles, and a speed as small as this is none.
+    let (mut none, mut fresh, mut kept) =
+        (stacks(0.0, 0.0), stacks(MANIFOLD_DRIFT, 1.0e-37), stacks(MANIFOLD_DRIFT, 0.0));
+    for world in [&mut none, &mut fresh, &mut kept] {
+        run(world, 90);
+    }
+    assert!(motion(&none) == motion(&fresh), "0 m: as contacts that do not settle");
+    assert!(motion(&none) != motion(&kept), "there are some that would");
+}
+
+#[test]
+fn any_drift_carries_and_is_found_again() {
+    for drift in [0.0, 1.0e-4, 1.0e-3, MANIFOLD_DRIFT] {
+        let (mut kept, mut dropped) = (stacks(drift, 0.0), stacks(drift, 0.0));
+        let mut loaded = stacks(MANIFOLD_DRIFT, 0.0);
+        for step in 0..120 {
+            dropped.drop_caches();
+            if step % 10 == 0 {
+                loaded.load(&snapshot(&kept)).expect("its own");
+                assert_eq!(loaded.settings().manifold_drift, drift);
+            }
+            for world in [&mut kept, &mut dropped, &mut loaded] {
+                world.step(&mut Serial);
+            }
+            assert!(dropped.state() == kept.state(), "{drift} m: caches dropped, step {step}");
+            assert!(loaded.state() == kept.state(), "{drift} m: loaded, step {step}");
+        }
+        let deepest = kept.bodies().map(|body| center(&kept, body)[2]).fold(f64::INFINITY, f64::min);
+        assert!(kept.contacts().count() >= 36 && deepest > -0.51, "{drift} m: they stand");
+    }
+}
+
+/// The setting changes while contacts are settled: they go on from where they are.
+#[test]
+fn the_drift_changes_under_way() {
+    let mut world = stacks(MANIFOLD_DRIFT, 0.0);
+    run(&mut world, 240);
+    let start: Vec<Wide> = world.bodies().map(|body| center(&world, body)).collect();
+    for step in 0..120 {
+        let manifold_drift = [0.0, 2.0e-3, MANIFOLD_DRIFT][step % 3];
+        world.set_settings(&Settings { manifold_drift, ..world.settings() }).expect("in range");
+        world.step(&mut Serial);
+    }
+    let ways = world.bodies().zip(&start).map(|(body, &from)| norm(minus(center(&world, body), from)));
+    judge("way while the drift changes, m", ways.fold(0.0, f64::max), [1.0e-3, 5.0e-3]);
+}
+
+#[test]
+fn a_drift_out_of_range_is_refused() {
+    let mut world = world(1);
+    let before = world.settings();
+    for manifold_drift in [-1.0e-3, 5.1e-3, f32::NAN, f32::INFINITY] {
+        let name = "manifold_drift";
+        let error =
+            if manifold_drift.is_finite() { Error::OutOfRange { name } } else { Error::NotFinite { name } };
+        assert_eq!(world.set_settings(&Settings { manifold_drift, ..before }), Err(error));
+    }
+    assert_eq!(world.settings(), before);
 }
