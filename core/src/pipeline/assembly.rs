@@ -251,7 +251,8 @@ impl Task<'_> {
                 group.leaps |= ball.leaps;
             }
             for row in balls..end {
-                group.leaps |= joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
+                let lanes = (&lanes.joints[row], &lanes.joint_seats[row], group.articulations);
+                group.leaps |= joints::fill(scene, &mut left, lanes);
             }
             lanes.patterns.of(group).each(joints, |articulation| articulation.factor());
             let mut own_points = take(&mut points, group.points as usize);
