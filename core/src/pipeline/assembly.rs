@@ -140,7 +140,6 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
-    let marks = if plan.joints > 0 && settings.relax_sweeps > 0 { &*scratch.joint_marks } else { &[] };
     let scenes = settings.tiers().map(|settings| Scene {
         bodies: state.bodies,
         motions: state.motions,
@@ -156,7 +155,7 @@ pub(crate) fn fill<E: Executor>(
         joints: state.joints,
         joint_axes: state.joint_axes,
         first_joints: state.first_joints,
-        marks,
+        marks: leapfrog::in_use(scratch.joint_marks, plan, &settings),
         joint_slots: scratch.joint_slots,
         active_of: scratch.active_of,
         softness: Softnesses::new(&settings),
