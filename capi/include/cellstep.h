@@ -51,6 +51,12 @@
 // Contacts that carry rigidly, and whose overlap is moved away.
 #define CS_CONTACT_SPLIT 2
 
+// Friction is that of the patch of a contact.
+#define CS_FRICTION_PATCH 0
+
+// Each point of a contact has a cone of friction.
+#define CS_FRICTION_POINTS 1
+
 // The dial between speed and accuracy: for what is looked at from afar.
 #define CS_PRESET_FAST 0
 
@@ -334,6 +340,11 @@ typedef struct {
   uint32_t direct_joints;
   // `CS_CONTACT_SOFT`, `CS_CONTACT_RIGID` or `CS_CONTACT_SPLIT`.
   uint32_t contact_model;
+  // `CS_FRICTION_PATCH` or `CS_FRICTION_POINTS`.
+  uint32_t friction_model;
+  // How far boxes and hulls may move against each other until their points of contact are found anew, metres,
+  // 0..=0.005; 0 for in each step.
+  float manifold_drift;
   // Hz; 0 follows the substep rate.
   float contact_frequency;
   // 0..=1000.

@@ -4,8 +4,8 @@ use crate::error::Failure;
 use bytemuck::{Pod, Zeroable};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, JointHandle, Position, Preset,
-    Residual, Settings, ShapeHandle, StepReport,
+    BodyHandle, BodyKind, BodyKinds, Capacities, ContactModel, EventKinds, FrictionModel, JointHandle,
+    Position, Preset, Residual, Settings, ShapeHandle, StepReport,
 };
 
 /// A vector.
@@ -211,6 +211,11 @@ pub const CS_CONTACT_RIGID: u32 = 1;
 /// Contacts that carry rigidly, and whose overlap is moved away.
 pub const CS_CONTACT_SPLIT: u32 = 2;
 
+/// Friction is that of the patch of a contact.
+pub const CS_FRICTION_PATCH: u32 = 0;
+/// Each point of a contact has a cone of friction.
+pub const CS_FRICTION_POINTS: u32 = 1;
+
 /// The dial between speed and accuracy: for what is looked at from afar.
 pub const CS_PRESET_FAST: u32 = 0;
 /// The default.
@@ -255,6 +260,11 @@ pub struct CsSettings {
     pub direct_joints: u32,
     /// `CS_CONTACT_SOFT`, `CS_CONTACT_RIGID` or `CS_CONTACT_SPLIT`.
     pub contact_model: u32,
+    /// `CS_FRICTION_PATCH` or `CS_FRICTION_POINTS`.
+    pub friction_model: u32,
+    /// How far boxes and hulls may move against each other until their points of contact are found anew, metres,
+    /// 0..=0.005; 0 for in each step.
+    pub manifold_drift: f32,
     /// Hz; 0 follows the substep rate.
     pub contact_frequency: f32,
     /// 0..=1000.
@@ -304,6 +314,11 @@ impl From<Settings> for CsSettings {
                 ContactModel::Rigid => CS_CONTACT_RIGID,
                 ContactModel::Split => CS_CONTACT_SPLIT,
             },
+            friction_model: match s.friction_model {
+                FrictionModel::Patch => CS_FRICTION_PATCH,
+                FrictionModel::Points => CS_FRICTION_POINTS,
+            },
+            manifold_drift: s.manifold_drift,
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
             push_speed: s.push_speed,
@@ -341,6 +356,12 @@ impl CsSettings {
                 CS_CONTACT_SPLIT => ContactModel::Split,
                 _ => return Err(Failure::UnknownKind("contact_model")),
             },
+            friction_model: match self.friction_model {
+                CS_FRICTION_PATCH => FrictionModel::Patch,
+                CS_FRICTION_POINTS => FrictionModel::Points,
+                _ => return Err(Failure::UnknownKind("friction_model")),
+            },
+            manifold_drift: self.manifold_drift,
             contact_frequency: self.contact_frequency,
             contact_damping_ratio: self.contact_damping_ratio,
             push_speed: self.push_speed,

@@ -390,10 +390,11 @@ impl Motion {
         turned_frame(self.rotation, row, local)
     }
 
+    #[expect(clippy::eq_op, reason = "x - x tells finite numbers from the rest")]
     pub fn is_finite(&self) -> bool {
-        self.center.offset.is_finite()
-            && self.rotation.is_finite()
-            && self.linear.is_finite()
-            && self.angular.is_finite()
+        // x - x is 0 for finite x and not a number for the rest, and so is the sum.
+        let (p, q, v, w) = (self.center.offset, self.rotation, self.linear, self.angular);
+        let off = (p - p) + (v - v) + (w - w);
+        off.x + off.y + off.z + (q.x - q.x) + (q.y - q.y) + (q.z - q.z) + (q.w - q.w) == 0.0
     }
 }

@@ -27,6 +27,9 @@ pub const SECTOR_MAX: i32 = 1 << 29;
 /// Contacts are found up to this distance, metres, so that a body is stopped at a surface and not behind it.
 /// Four times the slop of the peers: a resting contact must not vanish by jitter.
 pub const SPECULATIVE_DISTANCE: f32 = 0.02;
+/// How far points of a contact may drift until they are found anew, metres: a quarter of the speculative distance.
+/// Points that are kept were looked for so much farther, so this is also the greatest setting.
+pub const MANIFOLD_DRIFT: f32 = SPECULATIVE_DISTANCE / 4.0;
 /// Boxes in the broadphase are larger than their shapes by this, metres, so that most steps move none.
 pub const BOX_MARGIN: f32 = 0.05;
 /// Contact frequency times substep length: 36 Hz at four substeps of 1/60 s. From 0.175 on walls whose bricks touch
@@ -106,6 +109,14 @@ pub struct Settings {
     pub direct_joints: bool,
     /// Soft contacts, rigid ones (plain projected Gauss-Seidel), or split ones.
     pub contact_model: ContactModel,
+    /// Whether friction is that of the patch of a contact, or of each of its points.
+    pub friction_model: FrictionModel,
+    /// How far two boxes or hulls may move against each other until their points of contact are found anew, metres,
+    /// `0..=`[`MANIFOLD_DRIFT`], and at most a 64th of the smaller one's radius; in a step at most a quarter of it.
+    /// Until then the points go with the shapes, and arms with the bodies as they stood, so that what leans by less
+    /// than a hundredth of a radian does not feel it: tall stacks need that. 0 finds the points of all contacts anew
+    /// in each step.
+    pub manifold_drift: f32,
     /// Contact frequency, Hz, in `0..=1e5`; 0 follows the substep rate as [`CONTACT_COUPLING`] per substep.
     pub contact_frequency: f32,
     /// Damping ratio of soft contacts, `0..=1000`.
@@ -163,6 +174,24 @@ pub enum ContactModel {
     Split,
 }
 
+/// What bounds the friction of a contact of several points. That of one point is the same in both.
+///
+/// In both it is Coulomb's with a round cone, and friction that holds is the same where it is within its bounds: the
+/// models differ in what a contact bears that turns about its normal, and in how loads that are not even count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionModel {
+    /// All points together: the force along the tangents at their middle within a disc of the coefficient of
+    /// friction times the load of all, and the torque about the normal within the same times the points' mean
+    /// distance from the middle. Force and torque do not lessen each other, and it does not matter which point
+    /// carries the load. The cheapest.
+    #[default]
+    Patch,
+    /// A cone for each point: its force along the tangents is within a disc of the coefficient of friction times
+    /// its own load. What turns while it slides is held less, and friction acts where the load is: a body whose
+    /// load is at one edge turns about that.
+    Points,
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -176,6 +205,8 @@ impl Default for Settings {
             inner_sweeps: 1,
             direct_joints: true,
             contact_model: ContactModel::Soft,
+            friction_model: FrictionModel::Patch,
+            manifold_drift: MANIFOLD_DRIFT,
             contact_frequency: 0.0,
             contact_damping_ratio: CONTACT_DAMPING_RATIO,
             push_speed: PUSH_SPEED,
@@ -206,6 +237,7 @@ impl Settings {
         validate::count_in_range("sweeps_max", self.sweeps_max, 1, 1024)?;
         validate::count_in_range("relax_sweeps", self.relax_sweeps, 0, 1024)?;
         validate::count_in_range("inner_sweeps", self.inner_sweeps, 1, 64)?;
+        validate::in_range("manifold_drift", self.manifold_drift, 0.0, MANIFOLD_DRIFT)?;
         validate::in_range("contact_frequency", self.contact_frequency, 0.0, 1.0e5)?;
         validate::in_range("contact_damping_ratio", self.contact_damping_ratio, 0.0, 1.0e3)?;
         validate::in_range("push_speed", self.push_speed, 0.0, 1.0e4)?;
@@ -262,6 +294,8 @@ impl Settings {
 const NOT_CONTINUOUS: u32 = 1 << 8;
 /// Bit of the modes: residuals are measured.
 const RESIDUAL: u32 = 1 << 9;
+/// Bit of the modes: each point has a cone of friction.
+const POINTS: u32 = 1 << 10;
 /// Bit of the modes: joints are visited one by one.
 const LOOSE_JOINTS: u32 = 1 << 16;
 
@@ -277,8 +311,9 @@ pub(crate) struct SettingsRow {
     sweeps_max: u32,
     relax_sweeps: u32,
     inner_sweeps: u32,
-    /// The contact model, [`NOT_CONTINUOUS`], [`RESIDUAL`] and [`LOOSE_JOINTS`].
+    /// The contact model, [`NOT_CONTINUOUS`], [`RESIDUAL`], [`POINTS`] and [`LOOSE_JOINTS`].
     modes: u32,
+    manifold_drift: f32,
     contact_frequency: f32,
     contact_damping_ratio: f32,
     push_speed: f32,
@@ -306,6 +341,7 @@ impl SettingsRow {
         relax_sweeps: U32 1,
         inner_sweeps: U32 1,
         modes: U32 1,
+        manifold_drift: F32 1,
         contact_frequency: F32 1,
         contact_damping_ratio: F32 1,
         push_speed: F32 1,
@@ -336,7 +372,9 @@ impl From<&Settings> for SettingsRow {
             modes: s.contact_model as u32
                 | if s.continuous { 0 } else { NOT_CONTINUOUS }
                 | if s.residual { RESIDUAL } else { 0 }
+                | if s.friction_model == FrictionModel::Points { POINTS } else { 0 }
                 | if s.direct_joints { 0 } else { LOOSE_JOINTS },
+            manifold_drift: s.manifold_drift,
             contact_frequency: s.contact_frequency,
             contact_damping_ratio: s.contact_damping_ratio,
             push_speed: s.push_speed,
@@ -360,6 +398,11 @@ impl SettingsRow {
         EventKinds(self.events).has(kinds)
     }
 
+    /// True when each point has a cone of friction.
+    pub(crate) fn has_cones(&self) -> bool {
+        self.modes & POINTS != 0
+    }
+
     /// True when steps note which bodies moved.
     pub(crate) fn notes_moved(&self) -> bool {
         self.moved_list != 0
@@ -367,7 +410,7 @@ impl SettingsRow {
 
     /// The settings; `None` when the row was not made by [`SettingsRow::from`].
     pub(crate) fn read(&self) -> Option<Settings> {
-        let contact_model = match self.modes & !(NOT_CONTINUOUS | RESIDUAL | LOOSE_JOINTS) {
+        let contact_model = match self.modes & !(NOT_CONTINUOUS | RESIDUAL | POINTS | LOOSE_JOINTS) {
             0 => ContactModel::Soft,
             1 => ContactModel::Rigid,
             2 => ContactModel::Split,
@@ -387,6 +430,8 @@ impl SettingsRow {
             inner_sweeps: self.inner_sweeps,
             direct_joints: self.modes & LOOSE_JOINTS == 0,
             contact_model,
+            friction_model: if self.has_cones() { FrictionModel::Points } else { FrictionModel::Patch },
+            manifold_drift: self.manifold_drift,
             contact_frequency: self.contact_frequency,
             contact_damping_ratio: self.contact_damping_ratio,
             push_speed: self.push_speed,

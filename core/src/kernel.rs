@@ -95,7 +95,7 @@ impl KernelRow {
         (self.link.seats_a, self.link.seats_b) = (link.seats_a, link.seats_b);
         contact::visit(
             &sweep(),
-            (core::slice::from_mut(&mut self.link), &mut []),
+            (core::slice::from_mut(&mut self.link), &mut [], &mut []),
             &mut self.point,
             &mut seats,
         );
@@ -110,7 +110,7 @@ impl KernelRow {
         let mut seats = [Seat::zeroed(); 2 * LANES];
         let link = self.gather(bodies, &mut seats);
         let mut greatest = Greatest::NONE;
-        contact::measure(&sweep(), (&[link], &[]), &self.point, &seats, &mut greatest);
+        contact::measure(&sweep(), (&[link], &[], &[]), &self.point, &seats, &mut greatest);
         greatest.all()
     }
 

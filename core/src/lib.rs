@@ -40,7 +40,7 @@ pub use arena::Line;
 pub use body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
 pub use clock::Clock;
 pub use command::{Applied, Command, CommandError};
-pub use config::{BEHAVIOUR_VERSION, ContactModel, Preset, Settings};
+pub use config::{BEHAVIOUR_VERSION, ContactModel, FrictionModel, Preset, Settings};
 pub use debug::{DebugDraw, DebugLayers, DebugOptions};
 pub use error::{Error, SnapshotError};
 pub use event::{

@@ -6,6 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 pub use glam::{Mat3, Vec3};
+use wide::f32x4;
 
 /// Half a turn, radians.
 pub const PI: f32 = core::f32::consts::PI;
@@ -113,6 +114,9 @@ const COMPONENT_BITS: u32 = 20;
 const COMPONENT_MAX: i32 = (1 << (COMPONENT_BITS - 1)) - 1;
 /// A lesser component of a unit quaternion is at most the root of one half.
 const COMPONENT_SCALE: f32 = COMPONENT_MAX as f32 * core::f32::consts::SQRT_2;
+/// Added and taken away it rounds a number of up to 2^22 to the nearest whole one, of two to the even one: sums of
+/// that size have no fraction.
+const TO_WHOLE: f32 = 12_582_912.0;
 
 /// How far the square of a quaternion's length may be from 1 to be corrected without a root.
 pub(crate) const RENORMAL: f32 = 1.0e-4;
@@ -128,14 +132,18 @@ impl Rotation {
             }
         }
         let sign = if parts[largest] < 0.0 { -1.0 } else { 1.0 };
-        let mut bits = largest as u64;
-        for (i, part) in parts.iter().enumerate() {
-            if i != largest {
-                let rounded = libm::rintf(sign * part * COMPONENT_SCALE) as i32;
-                let rounded = rounded.clamp(-COMPONENT_MAX, COMPONENT_MAX);
-                bits = bits << COMPONENT_BITS | (rounded as u64 & ((1 << COMPONENT_BITS) - 1));
-            }
-        }
+        let [x, y, z, w] = parts;
+        let rest = match largest {
+            0 => [y, z, w],
+            1 => [x, z, w],
+            2 => [x, y, w],
+            _ => [x, y, z],
+        };
+        let bits = rest.iter().fold(largest as u64, |bits, part| {
+            let rounded = (sign * part * COMPONENT_SCALE + TO_WHOLE) - TO_WHOLE;
+            let rounded = (rounded as i32).clamp(-COMPONENT_MAX, COMPONENT_MAX);
+            bits << COMPONENT_BITS | (rounded as u64 & ((1 << COMPONENT_BITS) - 1))
+        });
         [bits as u32, (bits >> 32) as u32]
     }
 
@@ -143,21 +151,21 @@ impl Rotation {
     pub(crate) fn unpack([low, high]: [u32; 2]) -> Option<Self> {
         let bits = u64::from(high) << 32 | u64::from(low);
         let largest = (bits >> (3 * COMPONENT_BITS)) as usize;
-        let mut parts = [0.0_f32; 4];
-        let mut rest = 1.0;
-        let mut shift = 3 * COMPONENT_BITS;
-        for (i, part) in parts.iter_mut().enumerate() {
-            if i != largest {
-                shift = shift.checked_sub(COMPONENT_BITS)?;
-                // The shift to the left and back extends the sign.
-                let raw = ((bits >> shift) as u32) << (32 - COMPONENT_BITS);
-                let component = (raw as i32) >> (32 - COMPONENT_BITS);
-                *part = component as f32 * (1.0 / COMPONENT_SCALE);
-                rest -= *part * *part;
-            }
+        // The shift to the left and back extends the sign.
+        let component = |place: u32| {
+            let raw = ((bits >> (place * COMPONENT_BITS)) as u32) << (32 - COMPONENT_BITS);
+            ((raw as i32) >> (32 - COMPONENT_BITS)) as f32 * (1.0 / COMPONENT_SCALE)
+        };
+        let (a, b, c) = (component(2), component(1), component(0));
+        let rest = 1.0 - a * a - b * b - c * c;
+        let last = sqrt(if rest > 0.0 { rest } else { 0.0 });
+        match largest {
+            0 => Some(Self::new(last, a, b, c)),
+            1 => Some(Self::new(a, last, b, c)),
+            2 => Some(Self::new(a, b, last, c)),
+            3 => Some(Self::new(a, b, c, last)),
+            _ => None,
         }
-        *parts.get_mut(largest)? = sqrt(if rest > 0.0 { rest } else { 0.0 });
-        Some(Self::new(parts[0], parts[1], parts[2], parts[3]))
     }
 }
 
@@ -264,13 +272,17 @@ impl Rotation {
     /// `self` after `first`: `(self * first)` applied to `v` is `self` of `first` of `v`.
     #[inline]
     pub fn after(self, first: Self) -> Self {
+        // w (x, y, z, w) + x (w, -z, y, -x) + y (z, w, -x, -y) + z (-y, x, w, -z): four sums side by side.
         let (a, b) = (self, first);
-        Self::new(
-            a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-            a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-            a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-            a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-        )
+        let signs = |signs: [f32; 4]| f32x4::new(signs.map(|sign| if sign < 0.0 { -0.0 } else { 0.0 }));
+        let (a_x, a_y, a_z, a_w) =
+            (f32x4::splat(a.x), f32x4::splat(a.y), f32x4::splat(a.z), f32x4::splat(a.w));
+        let by_x = f32x4::new([b.w, b.z, b.y, b.x]) ^ signs([1.0, -1.0, 1.0, -1.0]);
+        let by_y = f32x4::new([b.z, b.w, b.x, b.y]) ^ signs([1.0, 1.0, -1.0, -1.0]);
+        let by_z = f32x4::new([b.y, b.x, b.w, b.z]) ^ signs([-1.0, 1.0, 1.0, -1.0]);
+        let sum = a_w * f32x4::new([b.x, b.y, b.z, b.w]) + a_x * by_x + a_y * by_y + a_z * by_z;
+        let [x, y, z, w] = sum.to_array();
+        Self::new(x, y, z, w)
     }
 
     /// The vector `v` rotated.
@@ -285,6 +297,13 @@ impl Rotation {
     #[inline]
     pub fn unrotate(self, v: Vec3) -> Vec3 {
         self.inverse().rotate(v)
+    }
+
+    /// Half extents of the smallest box around a rotated box with half extents `half`.
+    #[inline]
+    pub(crate) fn extents(self, half: Vec3) -> Vec3 {
+        let m = self.matrix();
+        m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z
     }
 
     /// Columns are the rotated axes.
@@ -417,9 +436,6 @@ impl Aabb {
 
     /// The smallest box around this one after it was moved by `pose`.
     pub fn transformed(&self, pose: &Pose) -> Self {
-        let m = pose.rotation.matrix();
-        let half = self.half_extents();
-        let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-        Self::around(pose.transform(self.center()), half)
+        Self::around(pose.transform(self.center()), pose.rotation.extents(self.half_extents()))
     }
 }

@@ -31,6 +31,7 @@ pub(crate) mod seat;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod solver;
+pub(crate) mod spread;
 pub(crate) mod stiffening;
 pub(crate) mod tasks;
 
@@ -64,6 +65,8 @@ pub(crate) struct Counts {
     /// Fast bodies, and those of them that were stopped on their way.
     pub fast: u32,
     pub cut: u32,
+    /// Whether there are kinematic bodies.
+    pub kinematic: bool,
     /// Bodies that have been quiet for long enough.
     pub ready: u32,
     /// Pairs in the scratch's list of those whose contacts ended, and of those whose began.
@@ -169,6 +172,7 @@ fn solve<E: Executor>(
         links: scratch.link_rows,
         points: scratch.point_rows,
         resists: scratch.resist_rows,
+        cones: assembly::cones_of(settings, scratch.cone_rows),
         joints: JointRows {
             balls: scratch.ball_rows,
             links: scratch.joint_links,

@@ -7,9 +7,9 @@ use cellstep::joint::AxisMotion;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     Axis, AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, CompoundHandle, ContactModel, Coupling, Drive,
-    EventKinds, Filter, Geometry, HeightFieldHandle, HullHandle, JointDef, JointHandle, MassProperties,
-    MaterialTraits, MeshHandle, Mix, PairMaterial, Position, Settings, ShapeDef, ShapeEvents, ShapeHandle,
-    Spring,
+    EventKinds, Filter, FrictionModel, Geometry, HeightFieldHandle, HullHandle, JointDef, JointHandle,
+    MassProperties, MaterialTraits, MeshHandle, Mix, PairMaterial, Position, Settings, ShapeDef, ShapeEvents,
+    ShapeHandle, Spring,
 };
 
 /// How many kinds of commands [`any`] makes: all of them.
@@ -278,6 +278,8 @@ impl Any<'_> {
             inner_sweeps: 1 + self.0.below(2) as u32,
             direct_joints: self.flag(),
             contact_model: model,
+            friction_model: if self.flag() { FrictionModel::Patch } else { FrictionModel::Points },
+            manifold_drift: self.number(),
             contact_frequency: self.number(),
             contact_damping_ratio: self.number(),
             push_speed: self.number(),

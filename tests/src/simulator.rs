@@ -8,12 +8,13 @@ mod materials;
 
 use crate::executors::Random;
 use crate::worlds::{self, OwnedWorld};
+use cellstep::config::MANIFOLD_DRIFT;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::replay::AssetSet;
 use cellstep::{
     Applied, AxisLocks, BodyDef, BodyHandle, BodyKind, BodyKinds, Capacities, Command, ContactModel, Error,
-    Filter, Geometry, HullHandle, JointHandle, MassProperties, MaterialTraits, MeshHandle, Position,
-    Settings, ShapeDef, ShapeEvents, ShapeHandle,
+    Filter, FrictionModel, Geometry, HullHandle, JointHandle, MassProperties, MaterialTraits, MeshHandle,
+    Position, Settings, ShapeDef, ShapeEvents, ShapeHandle,
 };
 
 /// Handles that are remembered; older ones are forgotten at random.
@@ -403,6 +404,11 @@ impl Simulator {
                 2 | 3 => ContactModel::Split,
                 _ => ContactModel::Soft,
             },
+            friction_model: match self.random.below(3) {
+                0 => FrictionModel::Points,
+                _ => FrictionModel::Patch,
+            },
+            manifold_drift: [MANIFOLD_DRIFT, MANIFOLD_DRIFT, 1.0e-3, 0.0][self.random.below(4) as usize],
             refine: 1 + self.random.below(4) as u32,
             refine_bodies: self.random.below(100) as u32,
             // Small, so that islands are refined and let go often.

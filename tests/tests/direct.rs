@@ -7,8 +7,8 @@
 use cellstep::joint::axis::{TURN_X, X};
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    Axis, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Drive, Geometry, JointDef, Settings,
-    ShapeDef,
+    Axis, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Drive, FrictionModel, Geometry, JointDef,
+    Settings, ShapeDef,
 };
 use cellstep_tests::direct::Seen;
 use cellstep_tests::executors::Random;
@@ -136,6 +136,19 @@ fn friction_is_solved() {
     for (name, mut world) in ["balls", "rough balls", "boxes", "rough boxes"].into_iter().zip(scenes) {
         for _ in 0..3 {
             compare(name, &mut world, false);
+        }
+    }
+}
+
+/// Friction of each point by its own load. How the points of a box share what holds it is not unique, what they
+/// give together is.
+#[test]
+fn friction_of_points_is_solved() {
+    for (name, mut world) in [("balls", heap(0.2)), ("boxes", boxes(0.2)), ("rough boxes", boxes(0.3))] {
+        let settings = Settings { friction_model: FrictionModel::Points, ..patient() };
+        world.set_settings(&settings).expect("in range");
+        for _ in 0..3 {
+            compare(&format!("{name}, by points"), &mut world, false);
         }
     }
 }

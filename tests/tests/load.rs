@@ -13,7 +13,7 @@ const MUTANTS: usize = 10_000;
 /// Bytes of the state's header, about: settings, counts and marks.
 const STATE_HEADER: usize = 200;
 /// Where in it the mark of pairs to be looked for again is.
-const PAIRS_STALE: usize = 152;
+const PAIRS_STALE: usize = 156;
 
 /// Snapshots of simulated worlds at several times.
 fn sources() -> Vec<Vec<u8>> {

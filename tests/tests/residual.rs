@@ -3,15 +3,21 @@
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::scene::builtin::Builtin;
 use cellstep::{
-    Axis, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Executor, Geometry, JointDef,
-    MaterialTraits, Pool, Residuals, Serial, Settings, ShapeDef, StepReport,
+    Axis, BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Executor, FrictionModel, Geometry,
+    JointDef, MaterialTraits, Pool, Residuals, Serial, Settings, ShapeDef, StepReport,
 };
 use cellstep_tests::executors::Shuffled;
 use cellstep_tests::worlds::{OwnedWorld, add, ground, world_with};
 use std::path::Path;
 
 const CUBE: Geometry = Geometry::Box { half_extents: Vec3::splat(0.5) };
-const MODELS: [ContactModel; 3] = [ContactModel::Soft, ContactModel::Rigid, ContactModel::Split];
+const MODELS: [(ContactModel, FrictionModel); 5] = [
+    (ContactModel::Soft, FrictionModel::Patch),
+    (ContactModel::Rigid, FrictionModel::Patch),
+    (ContactModel::Split, FrictionModel::Patch),
+    (ContactModel::Soft, FrictionModel::Points),
+    (ContactModel::Split, FrictionModel::Points),
+];
 
 fn world(settings: &Settings) -> OwnedWorld {
     let mut world = world_with(Capacities { joints: 600, materials: 4, ..Capacities::for_bodies(700) });
@@ -161,22 +167,23 @@ fn it_is_a_velocity() {
 
 #[test]
 fn asking_changes_no_bit_of_the_motion() {
-    for contact_model in MODELS {
-        let asks = Settings { contact_model, refine: 2, ..asking() };
+    for (contact_model, friction_model) in MODELS {
+        let asks = Settings { contact_model, friction_model, refine: 2, ..asking() };
         let [mut one, mut other] =
             [asks, Settings { residual: false, ..asks }].map(|settings| all(&settings));
         for _ in 0..40 {
             one.step(&mut Serial);
             other.step(&mut Serial);
         }
-        assert!(motion(&one) == motion(&other), "{contact_model:?}");
+        assert!(motion(&one) == motion(&other), "{contact_model:?}, {friction_model:?}");
     }
 }
 
 #[test]
 fn every_executor_measures_the_same() {
-    for (contact_model, direct_joints) in MODELS.into_iter().zip([true, false, true]) {
-        let dial = Settings { contact_model, direct_joints, ..asking() };
+    let joints = [true, false].into_iter().cycle();
+    for ((contact_model, friction_model), direct_joints) in MODELS.into_iter().zip(joints) {
+        let dial = Settings { contact_model, friction_model, direct_joints, ..asking() };
         let settings = Settings { tolerance: 2.0e-2, sweeps_max: 6, refine: 4, ..dial };
         let mut worlds = [0; 3].map(|_| all(&settings));
         let mut pool = Pool::new(3).expect("threads");
@@ -189,43 +196,78 @@ fn every_executor_measures_the_same() {
             .iter()
             .map(|r| r.iter().map(|r| (r.residuals, r.sweeps, r.unsettled)).collect())
             .collect();
-        assert!(measured[0] == measured[1] && measured[0] == measured[2], "{contact_model:?}");
+        assert!(
+            measured[0] == measured[1] && measured[0] == measured[2],
+            "{contact_model:?}, {friction_model:?}"
+        );
         let sums = worlds.map(|world| world.checksum());
-        assert!(sums[0] == sums[1] && sums[0] == sums[2], "{contact_model:?}");
+        assert!(sums[0] == sums[1] && sums[0] == sums[2], "{contact_model:?}, {friction_model:?}");
         let of = |of: fn(&Residuals) -> f32| reports[0].iter().any(|report| of(&residuals(report)) > 1.0e-4);
-        assert!(of(|r| r.biased.normal) && of(|r| r.last.normal), "{contact_model:?}: normals");
-        assert!(of(|r| r.biased.friction) && of(|r| r.last.friction), "{contact_model:?}: friction");
-        assert!(of(|r| r.biased.joint) && of(|r| r.last.joint), "{contact_model:?}: joints");
+        assert!(
+            of(|r| r.biased.normal) && of(|r| r.last.normal),
+            "{contact_model:?}, {friction_model:?}: normals"
+        );
+        assert!(
+            of(|r| r.biased.friction) && of(|r| r.last.friction),
+            "{contact_model:?}, {friction_model:?}: friction"
+        );
+        assert!(
+            of(|r| r.biased.joint) && of(|r| r.last.joint),
+            "{contact_model:?}, {friction_model:?}: joints"
+        );
     }
 }
 
 #[test]
 fn sweeps_bring_it_down() {
-    for contact_model in MODELS {
+    for (contact_model, friction_model) in MODELS {
         let left = [1, 8, 64, 512].map(|sweeps| {
-            let settings = Settings { contact_model, sweeps, relax_sweeps: sweeps, substeps: 1, ..asking() };
+            let settings = Settings {
+                contact_model,
+                friction_model,
+                sweeps,
+                relax_sweeps: sweeps,
+                substeps: 1,
+                ..asking()
+            };
             let mut world = all(&settings);
             let report = world.step(&mut Serial);
             assert_eq!(report.sweeps, sweeps);
             residuals(&report)
         });
-        println!("{contact_model:?}: {left:?}");
+        println!("{contact_model:?}, {friction_model:?}: {left:?}");
         // What relax sweeps start with depends on what the biased ones found: only the end is compared.
         let [biased, last] =
             [|r: &Residuals| r.biased, |r: &Residuals| r.last].map(|of| left.map(|r| of(&r).greatest()));
-        assert!(biased.windows(2).all(|pair| pair[1] < pair[0]), "{contact_model:?}: {biased:?}");
-        assert!(biased[3] < 0.02 * biased[0] && last[3] < 0.02 * last[0], "{contact_model:?}: {left:?}");
+        assert!(
+            biased.windows(2).all(|pair| pair[1] < pair[0]),
+            "{contact_model:?}, {friction_model:?}: {biased:?}"
+        );
+        assert!(
+            biased[3] < 0.02 * biased[0] && last[3] < 0.02 * last[0],
+            "{contact_model:?}, {friction_model:?}: {left:?}"
+        );
     }
 }
 
 #[test]
 fn sweeps_end_at_the_tolerance() {
-    for contact_model in MODELS {
-        let settings =
-            Settings { contact_model, substeps: 2, tolerance: 2.0e-3, sweeps_max: 1024, ..asking() };
+    for (contact_model, friction_model) in MODELS {
+        let settings = Settings {
+            contact_model,
+            friction_model,
+            substeps: 2,
+            tolerance: 2.0e-3,
+            sweeps_max: 1024,
+            ..asking()
+        };
         let mut world = all(&settings);
         for report in step(&mut world, &mut Serial, 4) {
-            println!("{contact_model:?}: {} sweeps, {:?}", report.sweeps, residuals(&report).biased);
+            println!(
+                "{contact_model:?}, {friction_model:?}: {} sweeps, {:?}",
+                report.sweeps,
+                residuals(&report).biased
+            );
             assert!(report.sweeps > 2 && report.unsettled == 0, "{report:?}");
             assert!(residuals(&report).biased.greatest() <= settings.tolerance, "{report:?}");
         }

@@ -18,7 +18,7 @@ pub fn aabb(solid: &Solid<'_>, pose: &Pose) -> Aabb {
             let axis = pose.rotation.rotate(Vec3::Z).abs() * half_height;
             Aabb::around(pose.position, axis + Vec3::splat(radius))
         }
-        Solid::Box { half_extents } => Aabb { min: -half_extents, max: half_extents }.transformed(pose),
+        Solid::Box { half_extents } => Aabb::around(pose.position, pose.rotation.extents(half_extents)),
         Solid::Hull(hull) => around_points(hull.vertices, pose),
         Solid::HalfSpace => half_space(pose),
         Solid::Cylinder { half_height, radius } => {

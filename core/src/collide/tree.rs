@@ -122,15 +122,25 @@ impl Tree<'_> {
     }
 
     /// Visits the id of every leaf whose box overlaps `region` (faces included), once, in the order of the leaves.
+    #[inline(always)]
+    pub fn query(&self, region: &Aabb, mut visit: impl FnMut(u32)) {
+        self.any(region, |id| {
+            visit(id);
+            false
+        });
+    }
+
+    /// True when `is` says so of the id of a leaf whose box overlaps `region` (faces included). Asks leaf by leaf,
+    /// in their order, until one is found.
     ///
     /// The walk keeps no stack: the box after a subtree is the next sibling, or that of the nearest ancestor that
     /// has one, and both are found from the index.
     #[inline(always)]
-    pub fn query(&self, region: &Aabb, mut visit: impl FnMut(u32)) {
-        let (first, count, top) = levels(self.order.len());
-        if self.order.is_empty() {
-            return;
+    pub fn any(&self, region: &Aabb, mut is: impl FnMut(u32) -> bool) -> bool {
+        if self.order.is_empty() || !self.bounds().overlaps(region) {
+            return false;
         }
+        let (first, count, top) = levels(self.order.len());
         let (mut level, mut index) = (top, 0);
         loop {
             if self.nodes[first[level] + index].overlaps(region) {
@@ -139,12 +149,14 @@ impl Tree<'_> {
                     index *= WIDTH;
                     continue;
                 }
-                visit(self.order[index]);
+                if is(self.order[index]) {
+                    return true;
+                }
             }
             index += 1;
             while index % WIDTH == 0 || index == count[level] {
                 if level == top {
-                    return;
+                    return false;
                 }
                 level += 1;
                 index = index.div_ceil(WIDTH);
@@ -245,6 +257,11 @@ mod tests {
             ids.iter().copied().filter(|&id| boxes[id as usize].overlaps(region)).collect();
         expected.sort_unstable();
         assert_eq!(found, expected);
+        // Each of them is found, and nothing else is asked for.
+        for &wanted in &expected {
+            assert!(tree.any(region, |id| id == wanted));
+        }
+        assert!(!tree.any(region, |id| expected.binary_search(&id).is_err()));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{Command, CommandError};
 use crate::body::{AxisLocks, BodyDef, BodyKind, MassProperties, Position};
-use crate::config::{ContactModel, Settings};
+use crate::config::{ContactModel, FrictionModel, Settings};
 use crate::event::{EventKinds, ShapeEvents};
 use crate::handle::{
     BodyHandle, CompoundHandle, HeightFieldHandle, HullHandle, JointHandle, MeshHandle, ShapeHandle,
@@ -313,6 +313,8 @@ fields!(Settings {
     inner_sweeps: u32,
     direct_joints: bool,
     contact_model: ContactModel,
+    friction_model: FrictionModel,
+    manifold_drift: f32,
     contact_frequency: f32,
     contact_damping_ratio: f32,
     push_speed: f32,
@@ -331,6 +333,7 @@ fields!(Settings {
 });
 
 variants!(u8; BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
+variants!(u8; FrictionModel { 0 => Patch {}, 1 => Points {} });
 variants!(u8; ContactModel { 0 => Soft {}, 1 => Rigid {}, 2 => Split {} });
 variants!(u8; Mix {
     0 => Unset {},

@@ -1,6 +1,6 @@
 //! The dial: four named settings between the cheapest and the most exact.
 
-use super::{ContactModel, REFINE, REFINE_SINK, Settings};
+use super::{ContactModel, FrictionModel, REFINE, REFINE_SINK, Settings};
 
 /// A place on the dial that trades speed for accuracy. What each one costs and how exact it is stands in the
 /// README, measured.
@@ -57,6 +57,8 @@ impl Preset {
         *settings = Settings {
             substeps,
             contact_model: ContactModel::Soft,
+            friction_model: FrictionModel::Patch,
+            manifold_drift: super::MANIFOLD_DRIFT,
             sweeps: 1,
             relax_sweeps: 1,
             inner_sweeps: 1,

@@ -2,22 +2,25 @@
 //!
 //! Every update is used at once and clamped to its bounds: `lambda >= 0` along the normal, a disc
 //! `|lambda_t| <= mu sum(lambda_n)` for the tangents of the patch, and the same times the patch's radius for the
-//! twist. Friction comes before the normals, whose errors are the visible ones.
+//! twist; or a disc for each point, see `cones.rs`. Friction comes before the normals, whose errors are the visible
+//! ones.
 //!
 //! Legend: `va, wa, ma` are velocity, whitened angular velocity and inverse mass of body A; `n` the normal, `t`
 //! and `s` the tangents; `h` the substep.
 
 mod bounce;
+mod cones;
 mod residual;
 mod resist;
 mod shift;
 mod split;
 
-use super::row::{Bias, LinkRow, PointRow, ResistRow, SUMS, TURNS};
+use super::row::{Bias, ConeRow, LinkRow, PointRow, ResistRow, SUMS, TURNS};
 use super::velocities::{Velocities, motions};
 use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bounce::{bounce, forget_blows, record_bounces};
+pub(crate) use cones::{step_of, yields_of};
 pub(crate) use residual::measure;
 use shift::Shift;
 
@@ -61,10 +64,11 @@ pub(crate) struct Sweep {
     pub restitution_threshold: f32,
 }
 
-/// Visits all rows of a group in their order. `resists` has a row for each, or none where nothing resists.
+/// Visits all rows of a group in their order. `resists` has a row for each, or none where nothing resists; `cones`
+/// too, or none where friction is that of patches.
 pub(crate) fn visit(
     sweep: &Sweep,
-    (rows, resists): (&mut [LinkRow], &mut [ResistRow]),
+    (rows, resists, cones): (&mut [LinkRow], &mut [ResistRow], &mut [ConeRow]),
     points: &mut [PointRow],
     seats: &mut [Seat],
 ) {
@@ -75,18 +79,51 @@ pub(crate) fn visit(
         if sweep.pass == Pass::Bounce && row.bounces == 0 {
             continue;
         }
-        // One kernel, compiled for each number of points: its loops have no ends to test.
-        match row.points {
-            1 => visit_row::<1>(sweep, row, points, seats),
-            2 => visit_row::<2>(sweep, row, points, seats),
-            3 => visit_row::<3>(sweep, row, points, seats),
-            _ => visit_row::<4>(sweep, row, points, seats),
+        // One kernel, compiled for each number of points: its loops have no ends to test. The patch of one point is
+        // its cone.
+        match (row.points, cones.get_mut(i)) {
+            (1, _) => visit_row::<1, _>(sweep, row, (points, &mut Patch), seats),
+            (2, None) => visit_row::<2, _>(sweep, row, (points, &mut Patch), seats),
+            (3, None) => visit_row::<3, _>(sweep, row, (points, &mut Patch), seats),
+            (_, None) => visit_row::<4, _>(sweep, row, (points, &mut Patch), seats),
+            (2, Some(cones)) => visit_row::<2, _>(sweep, row, (points, cones), seats),
+            (3, Some(cones)) => visit_row::<3, _>(sweep, row, (points, cones), seats),
+            (_, Some(cones)) => visit_row::<4, _>(sweep, row, (points, cones), seats),
         }
         if row.resists != 0
             && let Some(resist) = resists.get_mut(i)
         {
             resist::visit(sweep, row, (points, resist), seats);
         }
+    }
+}
+
+/// How the friction of a row is bounded.
+trait Friction {
+    /// Solves the row along its tangents and about its normal. Returns the impulse across the normal, which the
+    /// linear velocities have yet to get: see [`Line`].
+    fn solve<const N: usize>(
+        &mut self,
+        u: &mut Velocities,
+        row: &mut LinkRow,
+        points: &[PointRow; N],
+        motion: (&Shift, bool),
+    ) -> LaneVec;
+}
+
+/// As one: see [`solve_friction`].
+struct Patch;
+
+impl Friction for Patch {
+    #[inline(always)]
+    fn solve<const N: usize>(
+        &mut self,
+        u: &mut Velocities,
+        row: &mut LinkRow,
+        points: &[PointRow; N],
+        motion: (&Shift, bool),
+    ) -> LaneVec {
+        solve_friction::<N>(u, row, load_of(points), motion)
     }
 }
 
@@ -103,7 +140,12 @@ impl Traits {
     const NONE: Self = Self { bounces: false, locked: false, uneven: false, surfaces: false };
 }
 
-fn visit_row<const N: usize>(sweep: &Sweep, row: &mut LinkRow, points: &mut [PointRow], seats: &mut [Seat]) {
+fn visit_row<const N: usize, F: Friction>(
+    sweep: &Sweep,
+    row: &mut LinkRow,
+    (points, friction): (&mut [PointRow], &mut F),
+    seats: &mut [Seat],
+) {
     let traits = Traits {
         bounces: row.bounces != 0,
         locked: row.locked != 0,
@@ -113,17 +155,17 @@ fn visit_row<const N: usize>(sweep: &Sweep, row: &mut LinkRow, points: &mut [Poi
     let Some(points) = points.first_chunk_mut::<N>() else { return };
     if row.bounces | row.locked | row.uneven | row.surfaces == 0 {
         // The same code: that nothing is to be looked up is known when it is compiled.
-        visit_points(sweep, row, (points, Traits::NONE), seats);
+        visit_points(sweep, row, (points, friction, Traits::NONE), seats);
     } else {
-        visit_points(sweep, row, (points, traits), seats);
+        visit_points(sweep, row, (points, friction, traits), seats);
     }
 }
 
 #[inline(always)]
-fn visit_points<const N: usize>(
+fn visit_points<const N: usize, F: Friction>(
     sweep: &Sweep,
     row: &mut LinkRow,
-    (points, traits): (&mut [PointRow; N], Traits),
+    (points, friction, traits): (&mut [PointRow; N], &mut F, Traits),
     seats: &mut [Seat],
 ) {
     if matches!(sweep.pass, Pass::Relax | Pass::Follow) {
@@ -153,9 +195,9 @@ fn visit_points<const N: usize>(
                 row.turns = 0;
             }
             if shift.any {
-                solve_sliding(&mut u, row, (points, traits), (sweep, &shift));
+                solve_sliding(&mut u, row, (points, friction, traits), (sweep, &shift));
             } else {
-                solve(&mut u, row, (points, traits), (sweep, &Shift::NONE));
+                solve(&mut u, row, (points, friction, traits), (sweep, &Shift::NONE));
             }
         }
     }
@@ -173,25 +215,25 @@ fn load_of(points: &[PointRow]) -> Lane {
 
 /// A row whose bodies have not slid along each other.
 #[inline(always)]
-fn solve<const N: usize>(
+fn solve<const N: usize, F: Friction>(
     u: &mut Velocities,
     row: &mut LinkRow,
-    (points, traits): (&mut [PointRow; N], Traits),
+    (points, friction, traits): (&mut [PointRow; N], &mut F, Traits),
     (sweep, shift): (&Sweep, &Shift),
 ) {
-    let across = solve_friction::<N>(u, row, load_of(points), (shift, traits.surfaces));
+    let across = friction.solve(u, row, points, (shift, traits.surfaces));
     solve_normals(u, row, (points, traits), (sweep, shift, across));
 }
 
 /// The same for one whose bodies have: it is rare, and kept out of the way.
 #[inline(never)]
-fn solve_sliding<const N: usize>(
+fn solve_sliding<const N: usize, F: Friction>(
     u: &mut Velocities,
     row: &mut LinkRow,
-    (points, traits): (&mut [PointRow; N], Traits),
+    (points, friction, traits): (&mut [PointRow; N], &mut F, Traits),
     (sweep, shift): (&Sweep, &Shift),
 ) {
-    solve(u, row, (points, traits), (sweep, shift));
+    solve(u, row, (points, friction, traits), (sweep, shift));
 }
 
 /// Brings separations and the slide to the end of the substep.

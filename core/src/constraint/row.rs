@@ -146,6 +146,22 @@ pub(crate) struct ResistRow {
     pub impulse: LaneVec,
 }
 
+/// Friction of the points of eight links, each with a cone of its own; see `contact/cones.rs`. What the patch has
+/// in the row of the link is their sum.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct ConeRow {
+    /// Places of the points along both tangents, from the patch's middle, metres.
+    pub places: [[Lane; 2]; 4],
+    /// Step of each point's tangents: 1 / greatest eigenvalue of their 2x2 block, kg. 0 in a lane without this point.
+    pub masses: [Lane; 4],
+    /// Impulses along both tangents, N s.
+    pub impulses: [[Lane; 2]; 4],
+    /// What impulses of the patch change of its rates: J M^-1 Jt of the tangents and the twist, as the diagonal and
+    /// then the products of the first two, of the first and third, and of the last two.
+    pub yields: [Lane; 6],
+}
+
 /// How contacts are biased, from the settings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bias {

@@ -9,7 +9,7 @@
 use super::{Rows, StageView};
 use crate::cells::IMMOVABLE;
 use crate::constraint::joint::{BallRow, BoundRow, JointLink, LockRow, Ways};
-use crate::constraint::row::{LinkRow, PointRow};
+use crate::constraint::row::{ConeRow, LinkRow, PointRow};
 use crate::joint::JointRow;
 use crate::lanes::{LANES, LaneVec};
 use crate::math::Vec3;
@@ -58,6 +58,16 @@ pub enum ProblemKind {
         /// Coefficient of friction.
         friction: f32,
     },
+    /// The first of two tangents of a point, which follow one another: both impulses lie within a disc of `friction`
+    /// times the normal impulse of point `point` of the contact, whose [`ProblemKind::Normal`] comes after all of
+    /// these. The two models of [`FrictionModel`](crate::FrictionModel) do not mix: a contact has a `Tangent` or
+    /// these.
+    PointTangent {
+        /// Coefficient of friction.
+        friction: f32,
+        /// The point, from 0.
+        point: u32,
+    },
     /// Turning about the normal, bounded by `friction` times `radius` times the sum of the normal impulses.
     Twist {
         /// Coefficient of friction.
@@ -96,9 +106,11 @@ impl StageView<'_, '_> {
     /// substep are there after assembly. Resistance to rolling is left out.
     pub fn each_row(&self, mut tell: impl FnMut(ProblemRow)) {
         let Some(rows) = self.rows else { return };
+        let has_cones = self.state.header[0].settings.has_cones();
+        let cones = if has_cones { &*rows.scratch.cone_rows } else { &[] };
         for group in &rows.cache.groups[..rows.plan.groups] {
             rows.joints((group, self.state.joints), &mut tell);
-            rows.contacts(group, &mut tell);
+            rows.contacts((group, cones), &mut tell);
         }
     }
 }
@@ -144,7 +156,7 @@ impl Rows<'_, '_> {
         Some(self.scratch.active_of[slot as usize]).filter(|&index| index != IMMOVABLE)
     }
 
-    fn contacts(&self, group: &Group, tell: &mut impl FnMut(ProblemRow)) {
+    fn contacts(&self, (group, cones): (&Group, &[ConeRow]), tell: &mut impl FnMut(ProblemRow)) {
         let mut point = group.first_point as usize;
         for row in group.first_row as usize..(group.first_row + group.rows) as usize {
             let link = &self.scratch.link_rows[row];
@@ -154,7 +166,7 @@ impl Rows<'_, '_> {
                 if contact != EMPTY {
                     let ends = &self.scratch.links[contact as usize];
                     let bodies = [ends.a, ends.b].map(|body| Some(body).filter(|&body| body != IMMOVABLE));
-                    write_contact((link, points), (lane, contact, bodies), tell);
+                    write_contact((link, points, cones.get(row)), (lane, contact, bodies), tell);
                 }
             }
         }
@@ -170,26 +182,16 @@ fn jacobian(d: Vec3, (a, b): (Vec3, Vec3)) -> [[f32; 6]; 2] {
 }
 
 fn write_contact(
-    (row, points): (&LinkRow, &[PointRow]),
+    (row, points, cones): (&LinkRow, &[PointRow], Option<&ConeRow>),
     (lane, link, bodies): Place,
     tell: &mut impl FnMut(ProblemRow),
 ) {
-    let n = row.normal.get(lane);
-    let t = row.tangent.get(lane);
-    let surface = if row.surfaces != 0 { row.surface.get(lane) } else { Vec3::ZERO };
-    let friction = row.friction.get(lane);
-    let mut add = |d: Vec3, (a, b): (&LaneVec, &LaneVec), bias: f32, impulse: f32, kind: ProblemKind| {
-        let jacobian = jacobian(d, (a.get(lane), b.get(lane)));
-        tell(ProblemRow { link, bodies, jacobian, bias, soft: 0.0, impulse, kind });
-    };
-    let (first, second) = ((&row.first_a, &row.first_b), (&row.second_a, &row.second_b));
-    add(t, first, surface.x, row.first_impulse.get(lane), ProblemKind::Tangent { friction });
-    add(n.cross(t), second, surface.y, row.second_impulse.get(lane), ProblemKind::Tangent { friction });
     let count = row.count.get(lane) as usize;
-    if count > 1 {
-        let kind = ProblemKind::Twist { friction, radius: row.radius.get(lane) };
-        add(Vec3::ZERO, (&row.twist_a, &row.twist_b), surface.z, row.twist_impulse.get(lane), kind);
+    match cones.filter(|_| count > 1) {
+        None => write_patch(row, (lane, link, bodies), tell),
+        Some(cones) => (0..count).for_each(|i| write_cone((row, cones, i), (lane, link, bodies), tell)),
     }
+    let n = row.normal.get(lane);
     for point in &points[..count] {
         let surface = if row.surfaces != 0 { point.surface.get(lane) } else { 0.0 };
         tell(ProblemRow {
@@ -201,6 +203,46 @@ fn write_contact(
             impulse: point.impulse.get(lane),
             kind: ProblemKind::Normal,
         });
+    }
+}
+
+/// The tangents of a point: those of the patch, carried to its place in the plane.
+fn write_cone(
+    (row, cones, i): (&LinkRow, &ConeRow, usize),
+    (lane, link, bodies): Place,
+    tell: &mut impl FnMut(ProblemRow),
+) {
+    let (n, t) = (row.normal.get(lane), row.tangent.get(lane));
+    let surface = if row.surfaces != 0 { row.surface.get(lane) } else { Vec3::ZERO };
+    let ([p, q], impulses) = (cones.places[i].map(|x| x.get(lane)), cones.impulses[i].map(|x| x.get(lane)));
+    let twist = [row.twist_a.get(lane), row.twist_b.get(lane)];
+    let ways = [
+        (t, [&row.first_a, &row.first_b], -q, surface.x),
+        (n.cross(t), [&row.second_a, &row.second_b], p, surface.y),
+    ];
+    for ((d, [a, b], lever, speed), impulse) in ways.into_iter().zip(impulses) {
+        let turns = (a.get(lane) + twist[0] * lever, b.get(lane) + twist[1] * lever);
+        let (jacobian, bias) = (jacobian(d, turns), speed + surface.z * lever);
+        let kind = ProblemKind::PointTangent { friction: row.friction.get(lane), point: i as u32 };
+        tell(ProblemRow { link, bodies, jacobian, bias, soft: 0.0, impulse, kind });
+    }
+}
+
+fn write_patch(row: &LinkRow, (lane, link, bodies): Place, tell: &mut impl FnMut(ProblemRow)) {
+    let n = row.normal.get(lane);
+    let t = row.tangent.get(lane);
+    let surface = if row.surfaces != 0 { row.surface.get(lane) } else { Vec3::ZERO };
+    let friction = row.friction.get(lane);
+    let mut add = |d: Vec3, (a, b): (&LaneVec, &LaneVec), bias: f32, impulse: f32, kind: ProblemKind| {
+        let jacobian = jacobian(d, (a.get(lane), b.get(lane)));
+        tell(ProblemRow { link, bodies, jacobian, bias, soft: 0.0, impulse, kind });
+    };
+    let (first, second) = ((&row.first_a, &row.first_b), (&row.second_a, &row.second_b));
+    add(t, first, surface.x, row.first_impulse.get(lane), ProblemKind::Tangent { friction });
+    add(n.cross(t), second, surface.y, row.second_impulse.get(lane), ProblemKind::Tangent { friction });
+    if row.count.get(lane) > 1.0 {
+        let kind = ProblemKind::Twist { friction, radius: row.radius.get(lane) };
+        add(Vec3::ZERO, (&row.twist_a, &row.twist_b), surface.z, row.twist_impulse.get(lane), kind);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::body::{BodyRow, Motion};
 use crate::cells::Link;
-use crate::config::{ContactModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
-use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
+use crate::config::{ContactModel, FrictionModel, RIGID_PUSH, STATIC_STIFFNESS, Settings};
+use crate::constraint::row::{Bias, ConeRow, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::joint::{AxisRow, JointRow};
 use crate::lanes::{LANES, Words};
@@ -16,7 +16,7 @@ use crate::pipeline::layout::{Group, Plan, TIERS};
 use crate::pipeline::mover::MoverRow;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
-use crate::pipeline::solver::{self, JointRows, take, take_resists};
+use crate::pipeline::solver::{self, JointRows, take, take_some};
 use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
 use crate::pipeline::{balls, events, joints, leapfrog, refine};
@@ -107,7 +107,8 @@ pub(crate) fn prepare_bodies<E: Executor>(
     crew: &mut Crew<'_, E>,
 ) {
     let share = chunk(bodies, PREPARE_BODIES);
-    let mut tasks: Tasks<&mut [Active]> = scratch.active[..bodies].chunks_mut(share).collect();
+    let mut tasks: Tasks<&mut [Active]> = Tasks::new();
+    scratch.active[..bodies].chunks_mut(share).for_each(|active| push(&mut tasks, active));
     let substeps = settings.tiers().map(|tier| tier.substep());
     let gravity = settings.gravity;
     crew.run(Stage::Assembly, &mut tasks, |active| {
@@ -168,6 +169,7 @@ pub(crate) fn fill<E: Executor>(
     let (mut links, mut points) =
         (&mut scratch.link_rows[..plan.rows], &mut scratch.point_rows[..plan.points]);
     let (mut first_points, mut resists) = (&mut scratch.row_points[..plan.rows], &mut *scratch.resist_rows);
+    let mut cones = cones_of(settings, scratch.cone_rows);
     let mut seats = &mut scratch.seats[..plan.seats];
     let mut movers = &mut scratch.movers[..plan.moving / LANES];
     let mut joints = JointRows {
@@ -194,7 +196,8 @@ pub(crate) fn fill<E: Executor>(
             links: take(&mut links, rows),
             points: take(&mut points, sum(|g| g.points)),
             first_points: take(&mut first_points, rows),
-            resists: take_resists(&mut resists, rows as u32),
+            resists: take_some(&mut resists, rows as u32),
+            cones: take_some(&mut cones, rows as u32),
             seats: take(&mut seats, sum(|g| g.seats)),
             movers: take(&mut movers, moving / LANES),
             joints: joints.take_all(groups),
@@ -203,6 +206,14 @@ pub(crate) fn fill<E: Executor>(
         push(&mut tasks, task);
     }
     crew.run(Stage::Assembly, &mut tasks, |task| task.fill(&scenes, &lanes));
+}
+
+/// The rows of cones that a step has: none where friction is that of patches.
+pub(crate) fn cones_of<'a>(settings: &Settings, rows: &'a mut [ConeRow]) -> &'a mut [ConeRow] {
+    match settings.friction_model {
+        FrictionModel::Patch => &mut [],
+        FrictionModel::Points => rows,
+    }
 }
 
 /// What lies in which lane, and in which seat.
@@ -224,6 +235,8 @@ struct Task<'a> {
     first_points: &'a mut [u32],
     /// Resistance of each row; none in a world without materials.
     resists: &'a mut [ResistRow],
+    /// Cones of each row's points; none where friction is that of patches.
+    cones: &'a mut [ConeRow],
     seats: &'a mut [Seat],
     movers: &'a mut [MoverRow],
     joints: JointRows<'a>,
@@ -233,6 +246,7 @@ impl Task<'_> {
     fn fill(&mut self, scenes: &[Scene<'_>; TIERS], lanes: &Lanes<'_>) {
         let (mut links, mut points) = (&mut *self.links, &mut *self.points);
         let (mut firsts, mut resists) = (&mut *self.first_points, &mut *self.resists);
+        let mut cones = &mut *self.cones;
         let (mut seats, mut movers) = (&mut *self.seats, &mut *self.movers);
         for group in self.groups.iter_mut() {
             let scene = &scenes[group.tier as usize];
@@ -258,11 +272,13 @@ impl Task<'_> {
             group.bounces = 0;
             let first = group.first_row as usize;
             let rows = take(&mut links, group.rows as usize).iter_mut();
-            let own_resists = take_resists(&mut resists, group.rows);
+            let own_resists = take_some(&mut resists, group.rows);
+            let own_cones = take_some(&mut cones, group.rows);
             let mut next_point = group.first_point;
             for (i, (row, first_point)) in rows.zip(take(&mut firsts, group.rows as usize)).enumerate() {
                 let lanes = (&lanes.contacts[first + i], &lanes.contact_seats[first + i]);
-                rows::fill(scene, (row, own_resists.get_mut(i)), lanes, &mut own_points);
+                let parts = (&mut *row, own_resists.get_mut(i), own_cones.get_mut(i));
+                rows::fill(scene, parts, lanes, &mut own_points);
                 *first_point = next_point;
                 next_point += row.points;
                 group.bounces |= row.bounces;
@@ -273,7 +289,10 @@ impl Task<'_> {
 
 /// Seats hold zeros until they pull; those of phase 0 start with the bodies' velocities.
 fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow]), bodies: &[u32]) {
-    seats.fill(Seat::zeroed());
+    if movers.is_empty() {
+        seats.fill(Seat::zeroed());
+        return;
+    }
     let (eights, _) = seats.as_chunks_mut::<LANES>();
     for ((mover, seats), bodies) in movers.iter_mut().zip(eights).zip(bodies.chunks(LANES)) {
         // A seat without a body has no index of one.
@@ -283,7 +302,7 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
             Some((active, &scene.motions[slot], &scene.bodies[slot]))
         };
         let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
-        *mover = MoverRow::enter(seats, entry, (scene.substep, is_jointed));
+        mover.enter(seats, entry, (scene.substep, is_jointed));
         if !scene.marks.is_empty() {
             let bits = |of: fn(&[u32], u32) -> bool| {
                 let is = |lane| entry(lane).is_some_and(|(active, ..)| of(scene.marks, active.body));

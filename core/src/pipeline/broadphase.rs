@@ -16,7 +16,7 @@ use crate::pipeline::meeting::{frame_words, reach_radius};
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
-use crate::shape::{BOX_STALE, ShapeRow};
+use crate::shape::{BOX_STALE, GEOMETRY_BOX, ShapeRow};
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Reach, Scratch, State};
 
 /// Marks a shape that left its box, or was changed.
@@ -28,6 +28,8 @@ const GONE: u8 = 2;
 pub(crate) const SLEEPS: u8 = 4;
 /// Sectors from the trees' own to where boxes are rounded by 4 mm: 32 km.
 const HOME_SECTORS: u32 = 512;
+/// How often each shape may leave its box, in the mean, before the leaves of the tree are sorted anew.
+const ORDER_SERVES: u32 = 2;
 /// Shapes for which updating boxes is worth a task.
 const UPDATE_SHAPES: usize = 256;
 /// Moved shapes for which a search is worth a task.
@@ -40,6 +42,7 @@ pub(crate) fn run<E: Executor>(
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
     (crew, counts): (&mut Crew<'_, E>, &mut Counts),
 ) -> usize {
+    let had_pairs = state.header[0].pairs > 0;
     update_boxes(state, (assets, dt), (cache.header[0].sector, scratch), crew);
     let (moved, statics_moved) = list_moved(state, scratch);
     if moved == 0 && state.header[0].pairs_stale == 0 {
@@ -49,9 +52,13 @@ pub(crate) fn run<E: Executor>(
         state.header[0].static_version += 1;
     }
     cache.header[0].moving_fits = 0;
+    cache.header[0].moving_left = cache.header[0].moving_left.saturating_add(moved as u32);
     let sector_of = |body: u32| state.motions[body as usize].center.sector;
     refresh_trees((state, sector_of), cache, (scratch.tree_boxes, scratch.tree_keys));
     find_pairs(state, cache, scratch, (moved, crew, counts));
+    if !had_pairs {
+        place_stances(state, scratch);
+    }
     clear_flags(state, &scratch.moved[..moved]);
     moved
 }
@@ -74,6 +81,7 @@ fn update_boxes<E: Executor>(
     let high = state.header[0].shapes.high as usize;
     let share = chunk(high, UPDATE_SHAPES);
     let all = state.header[0].pairs_stale & PAIRS_DROPPED != 0;
+    let has_pairs = state.header[0].pairs > 0;
     let (used, bodies, motions) = (&*state.shape_used, &*state.bodies, &*state.motions);
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
     let parts = state.shapes[..high].chunks_mut(share).zip(scratch.is_moved[..high].chunks_mut(share));
@@ -93,33 +101,54 @@ fn update_boxes<E: Executor>(
                 if body.has(ASLEEP) && !is_stale(shape, body) {
                     continue;
                 }
-                let (place, bounds) = place_of(shape, (body, motion), (assets, dt, home));
-                (*frame, *stance, *reach) = place;
+                let bounds;
+                ((*frame, *reach), bounds) = place_of(shape, (body, motion), (assets, dt, home));
+                // Only contacts ask for it.
+                if has_pairs {
+                    *stance = stance_of(shape, body, *frame);
+                }
                 *moved |= if update_box(shape, body, &bounds) || all { MOVED } else { 0 };
             }
         }
     });
 }
 
-/// The frame of a shape, the same in its body's stance, and its reach; and its bounds.
+/// Frames in the bodies' stances of the shapes that have pairs, where none had in the step before.
+fn place_stances(state: &State<'_>, scratch: &mut Scratch<'_>) {
+    for pair in &state.pairs[..state.header[0].pairs as usize] {
+        for slot in [pair.a as usize, pair.b as usize] {
+            let shape = &state.shapes[slot];
+            scratch.stances[slot] =
+                stance_of(shape, &state.bodies[shape.body as usize], scratch.frames[slot]);
+        }
+    }
+}
+
+/// The frame of a shape in its body's stance; `frame` is that in its orientation.
+#[inline(always)]
+fn stance_of(shape: &ShapeRow, body: &BodyRow, frame: Words) -> Words {
+    match Rotation::unpack(body.stance) {
+        Some(rotation) if body.is_dynamic() => frame_words(&turned_frame(rotation, body, &shape.pose)),
+        _ => frame,
+    }
+}
+
+/// The frame of a shape and its reach; and its bounds.
+#[inline(always)]
 fn place_of(
     shape: &ShapeRow,
     (body, motion): (&BodyRow, &Motion),
     (assets, dt, home): (&AssetTables<'_>, f32, [i32; 3]),
-) -> ((Words, Words, Reach), Bounds) {
+) -> ((Words, Reach), Bounds) {
     let pose = motion.local_to_center(body, &shape.pose);
     let frame = frame_words(&pose);
-    let stance = match Rotation::unpack(body.stance) {
-        Some(rotation) if body.is_dynamic() => frame_words(&turned_frame(rotation, body, &shape.pose)),
-        _ => frame,
-    };
     let bounds = reach_of(shape, (body, motion, &pose), (assets, dt));
     let is_home = u32::from(motion.center.sector == home);
     let flags = (Reach::HOME * is_home) | (Reach::DYNAMIC * u32::from(body.is_dynamic()));
     let (min, max) = (bounds.reach.min, bounds.reach.max);
     let origin = pose.position + motion.center.offset;
     let radius = reach_radius(shape, (motion, assets, dt));
-    ((frame, stance, Reach { min, body: shape.body, max, flags, origin, radius }), bounds)
+    ((frame, Reach { min, body: shape.body, max, flags, origin, radius }), bounds)
 }
 
 /// Computes frame and reach of a shape that the update of boxes has passed over, because its body slept. It counts
@@ -134,7 +163,8 @@ pub(crate) fn place_shape(
     let body = (&state.bodies[shape.body as usize], &state.motions[shape.body as usize]);
     let index = slot as usize;
     let (place, _) = place_of(shape, body, (assets, dt, [i32::MAX; 3]));
-    (scratch.frames[index], scratch.stances[index], scratch.reaches[index]) = place;
+    (scratch.frames[index], scratch.reaches[index]) = place;
+    scratch.stances[index] = stance_of(shape, body.0, scratch.frames[index]);
 }
 
 /// Where a shape is in the step.
@@ -156,7 +186,10 @@ fn reach_of(
         return Bounds { swept: shape.fat_box, reach: shape.fat_box };
     }
     let pose = Pose::new(local.position + motion.center.offset, local.rotation);
-    let tight = crate::collide::bounds::aabb(&solid(shape, assets), &pose);
+    let tight = match shape.kind {
+        GEOMETRY_BOX => Aabb::around(pose.position, pose.rotation.extents(Vec3::from_array(shape.size))),
+        _ => crate::collide::bounds::aabb(&solid(shape, assets), &pose),
+    };
     // The box reaches as far as contacts are looked for: over the coming step's path and the speculative distance.
     let path = if is_static { Vec3::ZERO } else { motion.linear * dt };
     let swept = tight.union(&Aabb { min: tight.min + path, max: tight.max + path });
@@ -222,29 +255,47 @@ pub(crate) fn refresh_trees(
         if fits {
             continue;
         }
-        let belongs = |slot: &u32| {
-            let body = state.shapes[*slot as usize].body as usize;
-            state.bodies[body].rests() == is_static
-        };
-        let used = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high).filter(belongs);
-        for slot in used() {
-            let shape = &state.shapes[slot as usize];
-            boxes[slot as usize] = box_between(shape, sector_of(shape.body), sector);
-        }
+        let header = &mut cache.header[0];
         let (order, nodes) = if is_static {
             (&mut *cache.static_order, &mut *cache.static_nodes)
         } else {
             (&mut *cache.moving_order, &mut *cache.moving_nodes)
         };
+        // Boxes that are left are left by little: the order of the leaves serves for a while.
+        let serves = header.moving_left / ORDER_SERVES <= header.moving_leaves;
+        if !is_static && header.moving_listed != 0 && serves {
+            let order = &order[..header.moving_leaves as usize];
+            write_boxes((state, &sector_of), order.iter().copied(), (sector, boxes));
+            tree::refit(boxes, order, nodes);
+            header.moving_fits = 1;
+            continue;
+        }
+        let belongs = |slot: &u32| {
+            let body = state.shapes[*slot as usize].body as usize;
+            state.bodies[body].rests() == is_static
+        };
+        let used = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high).filter(belongs);
+        write_boxes((state, &sector_of), used(), (sector, boxes));
         let leaves = tree::build(boxes, used(), keys, order, nodes) as u32;
         if is_static {
-            cache.header[0].static_leaves = leaves;
-            cache.header[0].static_stamp = stamp;
+            header.static_leaves = leaves;
+            header.static_stamp = stamp;
         } else {
-            cache.header[0].moving_leaves = leaves;
-            cache.header[0].moving_fits = 1;
-            cache.header[0].moving_listed = 1;
+            header.moving_leaves = leaves;
+            (header.moving_fits, header.moving_listed, header.moving_left) = (1, 1, 0);
         }
+    }
+}
+
+/// Writes the fat boxes of shapes in the trees' coordinates.
+fn write_boxes(
+    (state, sector_of): (&State<'_>, &impl Fn(u32) -> [i32; 3]),
+    slots: impl Iterator<Item = u32>,
+    (sector, boxes): ([i32; 3], &mut [Aabb]),
+) {
+    for slot in slots {
+        let shape = &state.shapes[slot as usize];
+        boxes[slot as usize] = box_between(shape, sector_of(shape.body), sector);
     }
 }
 

@@ -19,7 +19,8 @@
 //! - Against static and kinematic bodies always, the latter on their own way; against dynamic ones for bodies with
 //!   [`BULLET`], at the poses that the solve left them in, so that the order of bodies does not matter. Trees find
 //!   what is in its fat box; what was thrown out of it in this step is listed for bullets.
-//! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body.
+//! - Nothing is solved again, so the cost is bounded: one search of the trees for each shape of a fast body
+//!   that has something in reach that stops it, and a look at their boxes for each other one.
 //! - A body that is stopped is torn off its joints for that step, and they pull it back in the next. So a body with
 //!   joints is stopped only where the middle of a shape would pass, and contacts are left the rest.
 //! - Where no body is fast nothing runs: a body that moves less than [`WAY_FLOOR`] and turns less than
@@ -38,7 +39,7 @@ use crate::collide::tree::Tree;
 use crate::collide::tree::search::Way;
 use crate::config::Settings;
 use crate::executor::{Executor, Stage};
-use crate::math::{Aabb, Pose, Rotation, Vec3, max_each, min, sqrt};
+use crate::math::{Aabb, Pose, Rotation, Vec3, max, max_each, min, min_each, sqrt};
 use crate::pipeline::broadphase::{may_meet, refresh_trees, tree_of};
 use crate::pipeline::finish::follow_stance;
 use crate::pipeline::rules::stand_in_the_way;
@@ -124,10 +125,11 @@ pub(crate) fn inner_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
 
 /// The radius of a ball around a shape about the origin of its frame, metres.
 fn outer_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
-    let [x, y, _] = shape.size;
+    let [x, y, z] = shape.size;
     match shape.kind {
         GEOMETRY_SPHERE => x,
         GEOMETRY_CAPSULE => x + y,
+        GEOMETRY_BOX => crate::math::length(Vec3::new(x, y, z)),
         GEOMETRY_HULL => sqrt(assets.hulls[shape.asset() as usize].radius_squared),
         GEOMETRY_ROUNDED_HULL => sqrt(assets.hulls[shape.asset() as usize].radius_squared) + y,
         _ => {
@@ -135,6 +137,11 @@ fn outer_radius(shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
             crate::math::length(max_each(bounds.min.abs(), bounds.max.abs()))
         }
     }
+}
+
+/// The radius of a ball around a shape about its body's center, metres, but for its rounding.
+fn reach_of(row: &BodyRow, shape: &ShapeRow, assets: &AssetTables<'_>) -> f32 {
+    crate::math::length(shape.pose.position - row.local_center) + outer_radius(shape, assets)
 }
 
 /// Stops the bodies that are listed as fast at what they would have passed.
@@ -167,6 +174,7 @@ pub(crate) fn run<E: Executor>(
             tree_of(cache.static_nodes, cache.static_order, header.static_leaves),
             tree_of(cache.moving_nodes, cache.moving_order, header.moving_leaves),
         ],
+        moving_stops: counts.kinematic || counts.quarantined > 0,
         strays: &scratch.strays[..strays],
         sector: header.sector,
         dt,
@@ -262,6 +270,9 @@ struct Chase<'a> {
     origins: &'a [Motion],
     /// Of what rests, and of the rest.
     trees: [Tree<'a>; 2],
+    /// True when the second tree may have shapes that stop other bodies than bullets: of kinematic ones, and of
+    /// those that were quarantined in this step.
+    moving_stops: bool,
     /// Shapes that bullets may meet where the trees do not have them.
     strays: &'a [u32],
     /// The trees' sector.
@@ -308,7 +319,11 @@ impl Chase<'_> {
     /// Where a body is stopped.
     fn stop(&self, body: u32) -> Stop {
         let (row, origin) = (&self.state.bodies[body as usize], &self.origins[body as usize]);
-        let mut course = course(origin.center, (origin, &self.state.motions[body as usize], row), self.dt);
+        let end = &self.state.motions[body as usize];
+        if self.is_clear(row, (origin.center, end.center)) {
+            return Stop::zeroed();
+        }
+        let mut course = course(origin.center, (origin, end, row), self.dt);
         course.held = has_joints(self.state.first_joints, body);
         let runner = Runner { row, origin, course: &course, walls: Walls::Moving };
         let Some((impact, wall)) = self.first_impact(&runner) else { return Stop::zeroed() };
@@ -318,6 +333,32 @@ impl Chase<'_> {
             return Stop { way: way.to_array(), rotation, stops: 1.0 };
         }
         self.go_on(&runner, (impact, way, rotation))
+    }
+
+    /// True when surely nothing that stops a body is in its way: in a box around balls about its center at the
+    /// start and at the end that no shape of it leaves. Most fast bodies have no need of a course.
+    fn is_clear(&self, row: &BodyRow, (start, end): (Position, Position)) -> bool {
+        if row.has(BULLET) {
+            return false;
+        }
+        let mut reach = 0.0;
+        let mut next = row.first_shape;
+        while let Some(shape) = self.state.shapes.get(next as usize) {
+            reach = max(reach_of(row, shape, self.assets), reach);
+            next = shape.next;
+        }
+        let home = Position { sector: self.sector, offset: Vec3::ZERO };
+        let (start, end) = (start.minus(home), end.minus(home));
+        let far = max_each(start.abs(), end.abs()).max_element() + reach;
+        let reach = reach + SEARCH_MARGIN as f32 + CLEAR_SLACK * far;
+        let region = Aabb { min: min_each(start, end), max: max_each(start, end) }.grown(reach);
+        let [resting, moving] = &self.trees;
+        let stops = |other: u32| {
+            let theirs = &self.state.bodies[self.state.shapes[other as usize].body as usize];
+            !theirs.is_dynamic() || theirs.has(ASLEEP)
+        };
+        let any = resting.any(&region, stops) || (self.moving_stops && moving.any(&region, stops));
+        !any
     }
 
     /// Where a body ends that would be stopped at once: it is at a wall and turns so that another point of it
@@ -427,8 +468,7 @@ impl Chase<'_> {
         let Some(parts) = Parts::new(&solid(shape, self.assets)) else { return };
         let Runner { row, origin, course, .. } = runner;
         let local = local_frame(row, shape);
-        let (low, high) = parts.bounds(&local);
-        let reach = DVec3::splat(length(crate::collide::cast::children::most(low, high)) + SEARCH_MARGIN);
+        let reach = DVec3::splat(f64::from(reach_of(row, shape, self.assets)) * REACH_SLACK + SEARCH_MARGIN);
         let way = course.way * (1.0 - course.from);
         let span = length(way);
         let direction = if span > 0.0 { way / span } else { DVec3::ZERO };
@@ -438,7 +478,9 @@ impl Chase<'_> {
             Some(impact) if impact.time < 1.0 => course.share(impact.time) * span,
             _ => f64::MAX,
         };
-        for tree in &self.trees {
+        let [resting, moving] = &self.trees;
+        let moving = Some(moving).filter(|_| self.moving_stops || row.has(BULLET));
+        for tree in core::iter::once(resting).chain(moving) {
             let Some(way) = Way::new(tree, (from, direction, span), (-reach, reach)) else { continue };
             tree.search(
                 way.limit(limit(best)),
@@ -464,8 +506,7 @@ impl Chase<'_> {
         let shape = &self.state.shapes[other as usize];
         let (row, motion) =
             (&self.state.bodies[shape.body as usize], &self.state.motions[shape.body as usize]);
-        let arm = crate::math::length(shape.pose.position - row.local_center);
-        let reach = radius + f64::from(arm + outer_radius(shape, self.assets)) * (1.0 + 1.0e-5);
+        let reach = radius + f64::from(reach_of(row, shape, self.assets)) * REACH_SLACK;
         let start = runner.course.start.position;
         let off = motion.center.minus_wide(runner.origin.center) - start;
         let square = way.dot(way);
@@ -520,6 +561,11 @@ impl Chase<'_> {
 
 /// By how much more than its size a shape is looked around, metres: the gap at an impact, and rounding.
 const SEARCH_MARGIN: f64 = 0.005;
+/// By what such a radius is multiplied so that it is none too small.
+const REACH_SLACK: f64 = 1.0 + 1.0e-5;
+/// What a body is looked around by, as a fraction of the greatest coordinate where single precision has to do:
+/// several times its rounding, and that of a search along the way.
+const CLEAR_SLACK: f32 = 4.0e-6;
 
 /// Where a shape stands from its body's center, in the body's axes.
 fn local_frame(row: &BodyRow, shape: &ShapeRow) -> Frame {

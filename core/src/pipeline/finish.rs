@@ -106,6 +106,7 @@ struct Found {
     ready: u32,
     /// Fast bodies.
     fast: usize,
+    kinematic: bool,
 }
 
 /// Counts a step in which the body was quiet: the mean square of its points' speeds is
@@ -133,15 +134,18 @@ impl Bodies<'_> {
     /// Writes what one of the dynamic bodies became, and lists it if it is fast.
     fn store(&mut self, i: usize, (results, race): (&Results<'_>, &Race<'_>), sleep: Option<u32>) {
         let (slot, motion, row) = (self.first + i, &mut self.motions[i], &mut self.rows[i]);
-        let before = *motion;
-        let way = results.store(slot, motion, row, &mut self.found);
-        let fast = race.is_fast(way, (motion, row));
-        if fast || row.has(CHANGED_SECTOR) {
-            self.origins[i] = before;
-        }
-        if fast {
-            self.fast[self.found.fast] = slot as u32;
-            self.found.fast += 1;
+        if let Some((after, way)) = results.motion(slot, motion, row, &mut self.found) {
+            let fast = race.is_fast(way, (&after, row));
+            if fast || row.has(CHANGED_SECTOR) {
+                self.origins[i] = *motion;
+            }
+            if fast {
+                self.fast[self.found.fast] = slot as u32;
+                self.found.fast += 1;
+            }
+            *motion = after;
+        } else if row.has(CHANGED_SECTOR) {
+            self.origins[i] = *motion;
         }
         if let Some(steps) = sleep {
             count_quiet(motion, row, race.settings.sleep_speed);
@@ -189,6 +193,7 @@ fn store_motions<E: Executor>(
                     BodyKind::Static => {}
                     BodyKind::Kinematic => {
                         task.origins[i] = task.motions[i];
+                        task.found.kinematic = true;
                         move_kinematic(&mut task.motions[i], &mut task.rows[i], dt);
                     }
                     BodyKind::Dynamic if task.rows[i].has(ASLEEP) => {}
@@ -205,6 +210,7 @@ fn store_motions<E: Executor>(
         counts.quarantined += task.found.quarantined;
         counts.capped += task.found.capped;
         counts.ready += task.found.ready;
+        counts.kinematic |= task.found.kinematic;
         push(&mut listed, (task.first, task.found.fast));
     }
     drop(tasks);
@@ -247,8 +253,16 @@ struct Results<'a> {
 }
 
 impl Results<'_> {
-    /// Returns the motion of the body's center, metres.
-    fn store(&self, slot: usize, motion: &mut Motion, row: &mut BodyRow, found: &mut Found) -> Vec3 {
+    /// Where a body is after the step and how it moves, and the motion of its center, metres; `None` for one that
+    /// is quarantined. The rest of the row follows.
+    #[inline(always)]
+    fn motion(
+        &self,
+        slot: usize,
+        motion: &mut Motion,
+        row: &mut BodyRow,
+        found: &mut Found,
+    ) -> Option<(Motion, Vec3)> {
         let index = self.active_of[slot] as usize;
         let first_seat = self.first_seats[index] as usize;
         let (mover, lane) = (&self.movers[first_seat / LANES], first_seat % LANES);
@@ -272,14 +286,13 @@ impl Results<'_> {
         if !after.is_finite() || !displacement.is_finite() || !inside {
             quarantine(motion, row);
             found.quarantined += 1;
-            return Vec3::ZERO;
+            return None;
         }
         if after.center.sector != motion.center.sector {
             row.flags |= CHANGED_SECTOR;
         }
-        *motion = after;
-        follow_stance(motion, row);
-        displacement
+        follow_stance(&after, row);
+        Some((after, displacement))
     }
 }
 

@@ -10,7 +10,7 @@
 
 use crate::body::{Motion, Position};
 use crate::collide::{self, Manifold, Manifolds, Solid};
-use crate::config::SPECULATIVE_DISTANCE;
+use crate::config::{MANIFOLD_DRIFT, SPECULATIVE_DISTANCE};
 use crate::lanes::Words;
 use crate::math::{Pose, Rotation, Vec3, length, sqrt};
 use crate::pipeline::solid;
@@ -20,12 +20,10 @@ use crate::shape::{
 use crate::state::{AssetTables, ContactRow, Memo, Pair, Reach};
 use bytemuck::Zeroable;
 
-/// Farthest that a point of a settled contact may have moved since it was found, metres: a quarter of the
-/// speculative distance, by which points were looked for farther.
-const DRIFT_MAX: f32 = SPECULATIVE_DISTANCE / 4.0;
-/// Farthest that one body of a settled contact may move against the other in a step, metres. Faster than that,
-/// impulses are large, and arms that lag behind the bodies would give them an angular momentum of their own.
-const SLOW_MAX: f32 = DRIFT_MAX / 4.0;
+/// Farthest that one body of a settled contact may move against the other in a step, as a share of the drift.
+/// Faster than that, impulses are large, and arms that lag behind the bodies would give them an angular momentum of
+/// their own.
+const SLOW_SHARE: f32 = 0.25;
 /// Distance of centers up to which half-spaces need no care, metres: coordinates are exact to 0.1 mm.
 const PLANE_REACH: f32 = 1024.0;
 /// Drift as a share of the smaller shape's radius.
@@ -179,10 +177,12 @@ impl Meeting {
         Self { b_in_a, centers, way: length(mb.linear - ma.linear) * dt, turns }
     }
 
-    /// True when points can be kept: the bodies hardly move in this step, as seen at the smaller one.
-    pub fn is_slow(&self, (a, b): (Radius, Radius)) -> bool {
+    /// True when points can be kept: the bodies hardly move in this step, as seen at the smaller one. `drift` is
+    /// that of the settings.
+    pub fn is_slow(&self, (a, b): (Radius, Radius), drift: f32) -> bool {
         let squared = crate::math::min(a.squared, b.squared);
-        self.way <= SLOW_MAX && self.turns * squared <= SLOW_MAX * SLOW_MAX
+        let most = drift * SLOW_SHARE;
+        drift > 0.0 && self.way <= most && self.turns * squared <= most * most
     }
 
     /// Points at the poses now. Bodies are stopped at the surface, not behind it: look as far as they come.
@@ -192,7 +192,7 @@ impl Meeting {
     }
 
     /// True when the pose is still within the drift of a settled contact with this base.
-    pub fn is_near(&self, base: &Pose, (a, b): (Radius, Radius)) -> bool {
+    pub fn is_near(&self, base: &Pose, (a, b): (Radius, Radius), drift: f32) -> bool {
         let turn = self.b_in_a.rotation.after(base.rotation.inverse());
         // The motion of the smaller shape's middle in the frame of the larger one.
         let (radius, way) = if b.squared <= a.squared {
@@ -202,15 +202,16 @@ impl Meeting {
             (a.squared, now - base.rotation.unrotate(base.position))
         };
         let i = turn.imaginary();
-        let most = crate::math::min(DRIFT_MAX * DRIFT_MAX, DRIFT_SHARE * DRIFT_SHARE * radius);
+        let most = crate::math::min(drift * drift, DRIFT_SHARE * DRIFT_SHARE * radius);
         // The angle is twice the imaginary part for a small turn; the real part is -1 as well as 1.
         way.dot(way) <= most && 4.0 * i.dot(i) * radius <= most
     }
 }
 
-/// Points of a settled contact: those found at its base, a little farther apart than they may come to touch.
+/// Points of a settled contact: those found at its base, a little farther apart than they may come to touch. They
+/// depend on no setting, so that they are found again whatever was set meanwhile.
 pub(crate) fn collide_at(base: &Pose, solids: (&Solid<'_>, &Solid<'_>), found: &mut Manifolds) {
-    collide::collide(solids.0, solids.1, base, SPECULATIVE_DISTANCE + DRIFT_MAX, found);
+    collide::collide(solids.0, solids.1, base, SPECULATIVE_DISTANCE + MANIFOLD_DRIFT, found);
 }
 
 /// How far a polytope reaches from the origin of its frame.

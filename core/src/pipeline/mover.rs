@@ -66,17 +66,20 @@ const SLENDER: f32 = 2.0;
 const VIEW_ERROR: f32 = 0.1;
 
 impl MoverRow {
-    /// The row of bodies at the start of a step of `substep` seconds per substep, and their seats; where `entry`
-    /// has none, nothing moves.
+    /// Makes the row that of bodies at the start of a step of `substep` seconds per substep, and their seats; where
+    /// `entry` has none, nothing moves.
     pub fn enter<'a>(
+        &mut self,
         seats: &mut [Seat; LANES],
         entry: impl Fn(usize) -> Option<(&'a Active, &'a Motion, &'a BodyRow)>,
         (substep, is_jointed): (f32, impl Fn(u32) -> bool),
-    ) -> Self {
-        let mut row = Self::zeroed();
+    ) {
+        let row = self;
+        *row = Self::zeroed();
         let mut frames = [Words::new([0.0, 0.0, 0.0, 1.0, TURN_MAX * TURN_MAX, 0.0, 0.0, 0.0]); LANES];
         let mut turns = [Words::ZERO; LANES];
         for (lane, seat) in seats.iter_mut().enumerate() {
+            *seat = Seat::zeroed();
             if let Some(body) = entry(lane) {
                 row.enter_velocity(lane, body, substep);
                 seat.velocity = row.star[lane];
@@ -100,7 +103,6 @@ impl MoverRow {
             row.axis = row.frame.third();
             row.view = row.axis;
         }
-        row
     }
 
     fn enter_velocity(

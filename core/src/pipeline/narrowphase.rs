@@ -65,6 +65,7 @@ fn collide_pairs<E: Executor>(
         assets,
         dt: settings.dt,
         continuous: settings.continuous,
+        drift: settings.manifold_drift,
         memos_fit: cache.header[0].memos_fit,
         marks: scratch.is_moved,
         any_sleeps: header.asleep > 0,
@@ -119,6 +120,8 @@ struct Look<'a> {
     assets: &'a AssetTables<'a>,
     dt: f32,
     continuous: bool,
+    /// How far points may drift; see `Settings::manifold_drift`.
+    drift: f32,
     /// See `CacheHeader`.
     memos_fit: u32,
     /// Which shapes sleep; see `broadphase.rs`.
@@ -358,9 +361,9 @@ impl Task<'_> {
         let first = self.next;
         self.next += self.rows[first..].iter().take_while(|row| row.pair == pair).count();
         let radii = if acts.moves { None } else { meeting::settling_radii(shapes, look.assets) };
-        let settles = radii.is_some_and(|radii| found.meeting.is_slow(radii));
+        let settles = radii.is_some_and(|radii| found.meeting.is_slow(radii, look.drift));
         if let (Some(row), Some(radii)) = (self.rows[first..self.next].first(), radii) {
-            let near = |base| found.meeting.is_near(&base, radii);
+            let near = |base| found.meeting.is_near(&base, radii, look.drift);
             let stays = settles && row.tag.is_settled() && meeting::unpack(&row.memory).is_some_and(near);
             if stays && (self.knows(look, first) || self.remember(look, &found, first)) {
                 self.touches[first] = found.settled_touch(look);

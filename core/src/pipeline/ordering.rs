@@ -12,7 +12,7 @@ use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan, REFINED_KIND, TIERS};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{articulations, balls, refine};
+use crate::pipeline::{articulations, balls, refine, spread};
 use crate::state::{
     ALL_LOOSE, Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
 };
@@ -45,6 +45,10 @@ pub(crate) fn run<S: Scheduler>(
     let mut blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
     if refined > 0 && !is_own {
         blocks = split_blocks(state, scratch, blocks);
+    }
+    if is_own {
+        let (contacts, blocks) = (links.contacts as u32, &scratch.blocks[..blocks]);
+        spread::run(scratch.order, blocks, (scratch.links, contacts), scratch.body_rows);
     }
     let plan = lay_out(state, (cache, scratch), (links, blocks), refined);
     cache.refined.fill(0);
@@ -290,6 +294,7 @@ fn lay_out(
         phase_seats: scratch.phase_seats,
         first_seats: cache.first_seats,
         block_chains: scratch.block_chains,
+        body_rows: scratch.body_rows,
     };
     layout::lay_out(&schedule, &mut tables)
 }
@@ -407,7 +412,7 @@ pub(crate) fn list_held(state: &State<'_>, scratch: &mut Scratch<'_>) -> usize {
 fn arrange(cache: &mut Cache<'_>, scratch: &mut Scratch<'_>, held: usize, direct: bool) -> usize {
     let links = &scratch.held_links[..held];
     let header = &mut cache.header[0];
-    let arranged = held as u32 + 1 | if direct { 0 } else { ALL_LOOSE };
+    let arranged = (held as u32 + 1) | if direct { 0 } else { ALL_LOOSE };
     if header.arranged == arranged && cache.arranged_links[..held] == *links {
         return header.loose_joints as usize;
     }

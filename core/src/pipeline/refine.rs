@@ -6,11 +6,15 @@
 //! substeps, and contacts that are stiffer by the square of it. Large islands stay as they are: for those the dial
 //! is the substeps of all.
 //!
+//! An island that stands at rest when it begins, as one that is just built, has no loads yet to tell, and nothing to
+//! start its solve from: such a one is refined at once, until its loads say otherwise. An overhang within 1 % of
+//! balance falls in its first second without that.
+//!
 //! Which bodies are refined is state. It is looked at every few steps, and whenever something refined touches
 //! something that is not: an island has one tier. Impulses are those of a substep, and go along with its length.
 
 use crate::body::BodyRow;
-use crate::cells::{IMMOVABLE, Link};
+use crate::cells::{IMMOVABLE, Link, UNORDERED};
 use crate::config::{COARSEN_STEPS, REFINE_CONTACTS, REFINE_STEPS, STATIC_STIFFNESS, Settings};
 use crate::joint::AxisRow;
 use crate::math::PI;
@@ -27,6 +31,12 @@ const STILL_SINKS: u8 = 2;
 const WAS_REFINED: u8 = 4;
 /// Of a body: its tier changes.
 const CHANGES: u8 = 8;
+/// Of islands: a body rests on another since this step.
+const BEGINS: u8 = 16;
+/// One of the contacts was there before, or one of the bodies moves.
+const WENT_ON: u8 = 32;
+/// Linear and angular speed up to which a body is at rest, m/s and rad/s.
+const REST_SPEED: f32 = 0.01;
 
 /// The tier of a dynamic body.
 #[inline]
@@ -97,6 +107,13 @@ fn mark_loads(
     let mut any = false;
     for (row, link) in state.contacts[..contacts].iter().zip(&*scratch.slot_links) {
         let impulse = normal_impulse(row);
+        if row.tag.phase() == UNORDERED && impulse == 0.0 {
+            let begins = link.b != IMMOVABLE && at_rest(state, link.a) && at_rest(state, link.b);
+            scratch.marks[link.a as usize] |= if begins { BEGINS } else { 0 };
+            any |= begins;
+        } else {
+            scratch.marks[link.a as usize] |= WENT_ON;
+        }
         if impulse == 0.0 {
             continue;
         }
@@ -115,6 +132,13 @@ fn mark_loads(
     }
     state.loaded[..words].copy_from_slice(&scratch.loaded_now[..words]);
     any
+}
+
+/// True for a body that does not move.
+fn at_rest(state: &State<'_>, slot: u32) -> bool {
+    let motion = &state.motions[slot as usize];
+    let limit = REST_SPEED * REST_SPEED;
+    motion.linear.dot(motion.linear) <= limit && motion.angular.dot(motion.angular) <= limit
 }
 
 /// Sum over the points, N s.
@@ -142,6 +166,7 @@ fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, b
     let is_active = |slot: u32| state.bodies[slot as usize].is_active();
     for slot in iterate(state.body_used, high).filter(|&slot| is_active(slot)) {
         let own = if tier_of(state, slot) == REFINED { WAS_REFINED } else { 0 };
+        let own = own | if at_rest(state, slot) { 0 } else { WENT_ON };
         let root = root(scratch.islands, slot) as usize;
         scratch.marks[root] |= scratch.marks[slot as usize] | own;
         scratch.island_sizes[root] += 1;
@@ -154,7 +179,8 @@ fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, b
             let root = root(scratch.islands, slot) as usize;
             let marks = scratch.marks[root];
             let still = marks & WAS_REFINED != 0 && (stays || marks & STILL_SINKS != 0);
-            let sinks = marks & SINKS != 0 || still;
+            let begins = marks & (BEGINS | WENT_ON) == BEGINS;
+            let sinks = marks & SINKS != 0 || still || begins;
             sinks && scratch.island_sizes[root] <= bodies
         } else {
             was && bodies > 0 && state.bodies[slot as usize].is_dynamic()

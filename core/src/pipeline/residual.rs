@@ -40,6 +40,6 @@ fn measure_group(task: &mut Task<'_>, sweep: &Sweep) -> Residual {
     joint::measure_balls(task.joints.balls, seats, &mut greatest);
     // Articulations have the joints of a group one after the other, like others.
     joint::measure(task.joints.links, (task.joints.locks, task.joints.bounds), seats, &mut greatest);
-    contact::measure(sweep, (task.links, task.resists), task.points, seats, &mut greatest);
+    contact::measure(sweep, (task.links, task.resists, task.cones), task.points, seats, &mut greatest);
     greatest.all()
 }

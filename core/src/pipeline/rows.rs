@@ -4,10 +4,11 @@
 //! [`Lane`]. An empty lane reads zeros, and every divisor is guarded, so its row is zero.
 
 mod acting;
+mod cones;
 
 use crate::cells::IMMOVABLE;
 use crate::constraint::contact::press_mass;
-use crate::constraint::row::{LinkRow, PointRow, ResistRow};
+use crate::constraint::row::{ConeRow, LinkRow, PointRow, ResistRow};
 use crate::constraint::velocities::{free_axes, root_times};
 use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, each_lane, transpose};
 use crate::math::{Vec3, max};
@@ -29,7 +30,7 @@ const SLIDE_SHARE: f32 = 1.0e-6;
 /// there are several points is written only there.
 pub(crate) fn fill(
     scene: &Scene<'_>,
-    (row, resist): (&mut LinkRow, Option<&mut ResistRow>),
+    (row, resist, cones): (&mut LinkRow, Option<&mut ResistRow>, Option<&mut ConeRow>),
     (contacts, seats): (&[u32; LANES], &[u32; 2 * LANES]),
     points: &mut &mut [PointRow],
 ) {
@@ -50,14 +51,19 @@ pub(crate) fn fill(
     row.turns = 0;
     row.hits = u32::from(scene.hits);
     row.slide = LaneVec::ZERO;
-    fill_points(scene, &sides, row, own);
+    fill_points(scene, &sides, (row, cones), own);
     if let (Some(acts), Some(resist)) = (&sides.acts, resist) {
         row.resists = u32::from(acts.resists != 0);
         acts.write_resistance(&sides, row, resist);
     }
 }
 
-fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mut [PointRow]) {
+fn fill_points(
+    scene: &Scene<'_>,
+    sides: &Sides,
+    (link, cones): (&mut LinkRow, Option<&mut ConeRow>),
+    points: &mut [PointRow],
+) {
     let found = sides.place(scene, link);
     let mut patch = Patch { points: points.len(), ..Patch::zeroed() };
     let mut soft = Lane::ZERO;
@@ -79,6 +85,9 @@ fn fill_points(scene: &Scene<'_>, sides: &Sides, link: &mut LinkRow, points: &mu
     link.press_mass = press_mass(link.count, link.inertia);
     link.soft_press_mass = press_mass(link.count, link.inertia + soft);
     sides.write_friction(&found, link, &patch);
+    if let Some(cones) = cones.filter(|_| points.len() > 1) {
+        sides.write_cones(&found, (link, cones), (points, &patch));
+    }
     if scene.hits {
         sides.measure_approach(&found, link, &patch);
     }

@@ -10,7 +10,7 @@
 use crate::config::{ContactModel, Settings};
 use crate::constraint::contact::{self, Pass, Sweep};
 use crate::constraint::joint::{self, BallRow, BlockRow, BoundRow, JointLink, LockRow, NodeRow};
-use crate::constraint::row::{Bias, LinkRow, PointRow, ResistRow};
+use crate::constraint::row::{Bias, ConeRow, LinkRow, PointRow, ResistRow};
 use crate::executor::{Executor, Stage};
 use crate::lanes::LANES;
 use crate::pipeline::articulations::Patterns;
@@ -29,6 +29,8 @@ pub(crate) struct Rows<'a> {
     pub points: &'a mut [PointRow],
     /// One for each row of links, or none.
     pub resists: &'a mut [ResistRow],
+    /// The same where each point has a cone of friction.
+    pub cones: &'a mut [ConeRow],
     pub joints: JointRows<'a>,
     pub patterns: Patterns<'a>,
     pub seats: &'a mut [Seat],
@@ -116,6 +118,7 @@ pub(crate) struct Task<'a> {
     pub links: &'a mut [LinkRow],
     pub points: &'a mut [PointRow],
     pub resists: &'a mut [ResistRow],
+    pub cones: &'a mut [ConeRow],
 }
 
 /// How contacts are biased.
@@ -291,15 +294,15 @@ pub(crate) fn cut_phase<'r>(
     let groups = &rows.groups[phase.first_group as usize..(phase.first_group + phase.groups) as usize];
     let moves = first < rows.plan.moving;
     let movers = if moves { &mut rows.movers[first / LANES..end / LANES] } else { &mut [] };
-    let links = (&mut *rows.links, &mut *rows.resists);
+    let links = (&mut *rows.links, &mut *rows.resists, &mut *rows.cones);
     let parts =
         ((own, &rows.sources[first..end], movers), (links, &mut *rows.points, rows.joints.reborrow()));
     cut((groups, rows.patterns), parts, tasks);
     others
 }
 
-/// Rows of links and of their resistances.
-type ContactRows<'a> = (&'a mut [LinkRow], &'a mut [ResistRow]);
+/// Rows of links, of their resistances and of their cones.
+type ContactRows<'a> = (&'a mut [LinkRow], &'a mut [ResistRow], &'a mut [ConeRow]);
 
 /// What the groups of a phase share: seats, their sources and movers; rows of contacts, points, rows of joints.
 type Parts<'a> =
@@ -309,12 +312,13 @@ type Parts<'a> =
 /// of 18 KB, and a copy of it in each phase of each sweep was 4 % of a step of 500 balls.
 fn cut<'a>(
     (groups, patterns): (&[Group], Patterns<'a>),
-    ((mut seats, mut sources, mut movers), ((links, resists), points, joints)): Parts<'a>,
+    ((mut seats, mut sources, mut movers), ((links, resists, cones), points, joints)): Parts<'a>,
     tasks: &mut Tasks<Task<'a>>,
 ) {
     let Some(front) = groups.first() else { return };
     let mut links = &mut links[front.first_row as usize..];
     let mut resists = resists.get_mut(front.first_row as usize..).unwrap_or_default();
+    let mut cones = cones.get_mut(front.first_row as usize..).unwrap_or_default();
     let mut points = &mut points[front.first_point as usize..];
     let mut joints = joints.from(groups);
     for group in groups {
@@ -334,7 +338,8 @@ fn cut<'a>(
             patterns: patterns.of(group),
             links: take(&mut links, group.rows as usize),
             points: take(&mut points, group.points as usize),
-            resists: take_resists(&mut resists, group.rows),
+            resists: take_some(&mut resists, group.rows),
+            cones: take_some(&mut cones, group.rows),
         };
         push(tasks, task);
     }
@@ -347,8 +352,8 @@ pub(crate) fn take<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     own
 }
 
-/// The same for rows of resistances, of which there may be none.
-pub(crate) fn take_resists<'a>(rest: &mut &'a mut [ResistRow], rows: u32) -> &'a mut [ResistRow] {
+/// The same for rows of which there may be none.
+pub(crate) fn take_some<'a, T>(rest: &mut &'a mut [T], rows: u32) -> &'a mut [T] {
     let count = rest.len().min(rows as usize);
     take(rest, count)
 }
@@ -391,6 +396,6 @@ fn sweep_rows(task: &mut Task<'_>, sweep: &Sweep) {
         task.patterns.each(task.joints.reborrow(), |articulation| articulation.visit(sweep, seats));
     }
     if !matches!(sweep.pass, Pass::Leap { .. }) {
-        contact::visit(sweep, (task.links, task.resists), task.points, task.seats);
+        contact::visit(sweep, (task.links, task.resists, task.cones), task.points, task.seats);
     }
 }

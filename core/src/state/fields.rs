@@ -116,7 +116,6 @@ const HEADER: &[Field] = fields!(Header {
     sensors: U32 1,
     hit_shapes: U32 1,
     visits: U32 1,
-    reserved: U32 1,
 });
 /// Where the settings lie in the header.
 const SETTINGS: usize = offset_of!(Header, settings);

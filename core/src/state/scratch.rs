@@ -7,7 +7,7 @@ use crate::cells::{self, Block, Link};
 use crate::constraint::joint::{
     BallRow, BlockRow, BoundRow, JointLink, LockRow, Member, NodeRow, blocks_max, nodes_max,
 };
-use crate::constraint::row::{LinkRow, PointRow, ResistRow};
+use crate::constraint::row::{ConeRow, LinkRow, PointRow, ResistRow};
 use crate::event::Visit;
 use crate::lanes::Words;
 use crate::math::{Aabb, Vec3};
@@ -204,12 +204,16 @@ region! {
         link_rows: LinkRow = c.contacts as usize,
         /// Resistance of each row of links that has some.
         resist_rows: ResistRow = if c.materials == 0 { 0 } else { c.contacts as usize },
+        /// Cones of the points of each row of links, where each point has one: else never touched.
+        cone_rows: ConeRow = c.contacts as usize,
         point_rows: PointRow = 4 * c.contacts as usize,
         seats: Seat = seats_max(c),
         /// First point of each row.
         row_points: u32 = c.contacts as usize,
         /// Chain of each block of the phase that is laid out.
         block_chains: u32 = links_max(c),
+        /// Row after the last one that has a body, by active body.
+        body_rows: u32 = c.bodies as usize,
         /// The body's seat in the phase that is laid out, by active body.
         phase_seats: u32 = c.bodies as usize,
         /// Where fast bodies, kinematic ones and those that changed their sector were before the step, by slot.

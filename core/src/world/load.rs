@@ -200,11 +200,7 @@ impl Parts<'_> {
         let settings = header.settings.read().is_some();
         let counters = header.step < COUNTER_MAX && header.static_version < COUNTER_MAX;
         require(
-            settings
-                && counters
-                && header.reserved == 0
-                && header.refine <= SUBSTEPS_MAX
-                && header.pairs_stale <= 3,
+            settings && counters && header.refine <= SUBSTEPS_MAX && header.pairs_stale <= 3,
             "header",
             0,
         )?;

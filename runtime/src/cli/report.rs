@@ -1,7 +1,7 @@
 //! What `cellstep run` tells, as a JSON object and as a table.
 
 use cellstep::Preset;
-use cellstep::scene::format::{ContactModelDoc, SettingsDoc};
+use cellstep::scene::format::{ContactModelDoc, FrictionModelDoc, SettingsDoc};
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -83,6 +83,9 @@ impl Display for Report {
         row("refine", &self.settings.refine.unwrap_or(1))?;
         row("sweeps", &sweeps(&self.settings))?;
         row("contact model", &self.settings.contact_model.map_or("", model_name))?;
+        row("friction model", &self.settings.friction_model.map_or("", friction_name))?;
+        let drift = f64::from(self.settings.manifold_drift.unwrap_or_default());
+        row("manifold drift, mm", &format!("{:.3}", drift * 1.0e3))?;
         row("bodies", &self.bodies)?;
         row("asleep", &self.asleep)?;
         row("joints", &self.joints)?;
@@ -110,6 +113,14 @@ impl Display for Report {
             ("of it on one thread", stages.serial),
         ];
         times.into_iter().try_for_each(|(name, ms)| row(name, &format!("{ms:.3}")))
+    }
+}
+
+/// The name of a friction model in scene files.
+fn friction_name(model: FrictionModelDoc) -> &'static str {
+    match model {
+        FrictionModelDoc::Patch => "patch",
+        FrictionModelDoc::Points => "points",
     }
 }
 

@@ -8,7 +8,7 @@ use super::error::{Problem, SceneError};
 use super::format::*;
 use super::place::Place;
 use super::{Limits, rotation};
-use cellstep_core::config::{SECTOR_MAX, SECTOR_SIZE, Settings};
+use cellstep_core::config::{MANIFOLD_DRIFT, SECTOR_MAX, SECTOR_SIZE, Settings};
 use std::collections::BTreeMap;
 
 /// Greatest coordinate of a position, metres: where the sectors end.
@@ -112,6 +112,7 @@ pub(super) fn at_most(place: impl ToString, what: &'static str, asked: u64, limi
 fn settings(place: Place<'_>, doc: &SettingsDoc) -> Checked {
     let numbers = [
         ("dt", doc.dt, 0.25),
+        ("manifold_drift", doc.manifold_drift, MANIFOLD_DRIFT),
         ("contact_frequency", doc.contact_frequency, 1.0e5),
         ("contact_damping_ratio", doc.contact_damping_ratio, 1.0e3),
         ("push_speed", doc.push_speed, 1.0e4),

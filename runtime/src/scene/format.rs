@@ -21,7 +21,7 @@ pub use joints::{
 };
 pub use material::{MaterialDoc, MixDoc};
 use serde::{Deserialize, Serialize};
-pub use settings::{ContactModelDoc, PresetDoc, SettingsDoc};
+pub use settings::{ContactModelDoc, FrictionModelDoc, PresetDoc, SettingsDoc};
 use std::collections::BTreeMap;
 
 /// Most bodies of a document: refused by the reader before the rest is read.

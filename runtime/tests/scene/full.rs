@@ -80,6 +80,8 @@ fn full_settings() -> SettingsDoc {
         inner_sweeps: Some(3),
         direct_joints: Some(false),
         contact_model: Some(ContactModelDoc::Rigid),
+        friction_model: Some(FrictionModelDoc::Points),
+        manifold_drift: Some(0.002),
         contact_frequency: Some(33.3),
         contact_damping_ratio: Some(0.1),
         push_speed: Some(0.2),

@@ -2,10 +2,11 @@
 
 use crate::engine::{Config, Engine};
 use crate::scene::{JointKind, Kind, Mass, Seen, Setup, Shape};
+use cellstep::config::MANIFOLD_DRIFT;
 use cellstep::math::{Rotation, Vec3};
 use cellstep::{
-    BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, Geometry, JointDef, MassProperties, Position,
-    Preset, Serial, Settings, ShapeDef, ShapeHandle,
+    BodyDef, BodyHandle, BodyKind, Capacities, ContactModel, FrictionModel, Geometry, JointDef,
+    MassProperties, Position, Preset, Serial, Settings, ShapeDef, ShapeHandle,
 };
 use cellstep_tests::oracles;
 use cellstep_tests::worlds::{OwnedWorld, world_with};
@@ -114,8 +115,18 @@ pub fn describe(s: &Settings) -> String {
             format!("up to {} bodies that sink {} m refined by {times}", s.refine_bodies, s.refine_sink)
         }
     };
+    let continuous = if s.continuous { "" } else { ", not continuous" };
+    let friction = match s.friction_model {
+        FrictionModel::Patch => "",
+        FrictionModel::Points => ", friction by points",
+    };
+    let manifolds = match s.manifold_drift {
+        MANIFOLD_DRIFT => String::new(),
+        0.0 => ", manifolds anew".to_string(),
+        drift => format!(", manifolds kept for {drift} m"),
+    };
     let joints = if s.direct_joints { "" } else { ", joints one by one" };
-    format!("{sweeps}, {contacts}, {refined}{joints}")
+    format!("{sweeps}, {contacts}, {refined}{friction}{manifolds}{continuous}{joints}")
 }
 
 /// The presets, then what differs from `balanced` in one setting, then split contacts at more and fewer substeps
@@ -131,6 +142,8 @@ pub fn configs(kind: Kind) -> Vec<Config> {
     for substeps in [1, 2, 3, 6, 8] {
         add(format!("{substeps} substeps"), Settings { substeps, ..balanced });
     }
+    // As the peers at their cheapest: what is fast may pass through a wall.
+    add("1 substep, not continuous".to_string(), Settings { substeps: 1, continuous: false, ..balanced });
     // With so many substeps nothing needs refinement.
     let plain = Settings { refine: 1, ..balanced };
     for substeps in [16, 32] {
@@ -164,6 +177,8 @@ pub fn configs(kind: Kind) -> Vec<Config> {
         add("damping 2".to_string(), Settings { contact_damping_ratio, ..balanced });
         add("rigid".to_string(), Settings { contact_model: ContactModel::Rigid, ..balanced });
         add("not refined".to_string(), plain);
+        add("per-point friction".to_string(), Settings { friction_model: FrictionModel::Points, ..balanced });
+        add("manifolds anew".to_string(), Settings { manifold_drift: 0.0, ..balanced });
         for refine in [2, 8] {
             add(format!("refined by {refine}"), Settings { refine, ..balanced });
         }

@@ -53,7 +53,7 @@ impl Observer for Seen {
 /// An answer for the rows of a step: impulses by row.
 pub type Answer = Vec<f64>;
 
-/// Loads and directions of friction by link.
+/// Load and direction of friction of a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Friction {
     load: f64,
@@ -97,19 +97,28 @@ impl Seen {
         normals.filter(|(row, _)| is_normal(row) && row.link == link).map(|(_, x)| x).sum()
     }
 
+    /// The normal impulses that bound the friction of a row: those of its link, or that of its point.
+    fn bounding(&self, answer: &[f64], row: &ProblemRow) -> f64 {
+        let ProblemKind::PointTangent { point, .. } = row.kind else { return self.load(answer, row.link) };
+        let normals = self.rows.iter().zip(answer);
+        let mut own = normals.filter(|(other, _)| is_normal(other) && other.link == row.link);
+        own.nth(point as usize).map_or(0.0, |(_, x)| *x)
+    }
+
     /// The answer by the direct method, for the bounds that the loads of ours give, and with a box along the
     /// direction of our friction in the place of the disc. Where ours is the answer, so is this: friction that
     /// slides lies along an axis of its box, and friction that holds is within.
     pub fn solve(&self) -> Answer {
         let ours = self.ours();
-        let links = self.rows.iter().map(|row| row.link as usize + 1).max().unwrap_or(0);
-        let mut frictions: Vec<Friction> = (0..links)
-            .map(|link| Friction { load: self.load(&ours, link as u32), direction: [1.0, 0.0] })
+        let mut frictions: Vec<Friction> = self
+            .rows
+            .iter()
+            .map(|row| Friction { load: self.bounding(&ours, row), direction: [1.0, 0.0] })
             .collect();
         for i in (0..self.rows.len()).filter(|&i| starts_pair(&self.rows, i)) {
             let size = ours[i].hypot(ours[i + 1]);
             if size > 0.0 {
-                frictions[self.rows[i].link as usize].direction = [ours[i] / size, ours[i + 1] / size];
+                frictions[i].direction = [ours[i] / size, ours[i + 1] / size];
             }
         }
         self.solve_once(&frictions)
@@ -120,9 +129,13 @@ impl Seen {
         let mut split = Split::default();
         let mut rest = self.rows.as_slice();
         while let [row, after @ ..] = rest {
-            let friction = &frictions[row.link as usize];
+            let friction = &frictions[self.rows.len() - rest.len()];
             rest = match (row.kind, after) {
-                (ProblemKind::Tangent { friction: share }, [other, rest @ ..]) => {
+                (
+                    ProblemKind::Tangent { friction: share }
+                    | ProblemKind::PointTangent { friction: share, .. },
+                    [other, rest @ ..],
+                ) => {
                     split.add_tangents([row, other], friction.direction, f64::from(share) * friction.load);
                     rest
                 }
@@ -203,7 +216,9 @@ impl Split {
         let mut add = |bias: f64, bounds: [f64; 2]| parts.push((self.push(row, own, bias, bounds), 1.0));
         match row.kind {
             ProblemKind::Normal => add(bias, [0.0, f64::INFINITY]),
-            ProblemKind::Tangent { .. } | ProblemKind::Hold => add(bias, [f64::NEG_INFINITY, f64::INFINITY]),
+            ProblemKind::Tangent { .. } | ProblemKind::PointTangent { .. } | ProblemKind::Hold => {
+                add(bias, [f64::NEG_INFINITY, f64::INFINITY]);
+            }
             ProblemKind::Twist { friction, radius } => {
                 let most = f64::from(friction) * f64::from(radius) * load;
                 add(bias, [-most, most]);
@@ -251,11 +266,13 @@ fn is_normal(row: &ProblemRow) -> bool {
 }
 
 fn is_tangent(row: &ProblemRow) -> bool {
-    matches!(row.kind, ProblemKind::Tangent { .. })
+    matches!(row.kind, ProblemKind::Tangent { .. } | ProblemKind::PointTangent { .. })
 }
 
-/// True when the row at `i` is the first of its link's tangents.
+/// True when the row at `i` is the first of two tangents.
 fn starts_pair(rows: &[ProblemRow], i: usize) -> bool {
     let next = rows.get(i + 1);
-    is_tangent(&rows[i]) && next.is_some_and(|next| is_tangent(next) && next.link == rows[i].link)
+    // Pairs follow one another, so that every second row starts one.
+    let before = rows[..i].iter().rev().take_while(|row| is_tangent(row)).count();
+    is_tangent(&rows[i]) && before % 2 == 0 && next.is_some_and(|next| next.kind == rows[i].kind)
 }

@@ -106,7 +106,7 @@ enum Wall<'a> {
     Convex(Core<'a>),
 }
 
-/// A moving shape, thinner and thinner, and what its motion is bounded by.
+/// A moving shape, its skins, and what its motion is bounded by.
 #[derive(Clone, Copy)]
 struct Mover<'a> {
     core: Core<'a>,
@@ -114,7 +114,6 @@ struct Mover<'a> {
     /// Without a twist that the shape does not show.
     course: Course,
     skins: [f64; LAYERS],
-    thinner: [Core<'a>; LAYERS],
     /// Greatest distance of a point of the core from the axis of the swing, metres.
     lever: f64,
     /// And of a point of the shape from the body's center.
@@ -156,7 +155,6 @@ impl<'a> Mover<'a> {
             local: rider.local,
             course,
             skins,
-            thinner: skins.map(|share| core.eroded(share)),
             // A twist brings other points across the axis of the swing.
             lever: if twist == 0.0 { lever(rider, course.swing.axis) } else { reach },
             reach,
@@ -167,6 +165,11 @@ impl<'a> Mover<'a> {
 
     fn at(&self, time: f64) -> Frame {
         self.course.at(time).after(&self.local)
+    }
+
+    /// What is left of the shape without a skin.
+    fn thinner(&self, layer: usize) -> Core<'a> {
+        self.core.eroded(self.skins[layer])
     }
 
     fn gap(&self, core: &Core<'_>, (wall, other): (&Wall<'_>, &Rider<'_, ()>), time: f64) -> Gap {
@@ -291,7 +294,7 @@ impl<'a> Mover<'a> {
     /// The end, if the body's last place is no end of its course, and in the wall where its first place was not.
     fn ends_inside(&self, wall: (&Wall<'_>, &Rider<'_, ()>)) -> Option<Impact> {
         let end = self.course.end?;
-        let thinner = if self.course.held { &self.thinner[LAYERS - 1] } else { &self.thinner[0] };
+        let thinner = &self.thinner(if self.course.held { LAYERS - 1 } else { 0 });
         let last = Self { course: Course::still(end), ..*self };
         let found = last.gap(thinner, wall, 1.0);
         let enters = found.distance <= 0.0 && self.gap(thinner, wall, 0.0).distance > 0.0;
@@ -301,8 +304,7 @@ impl<'a> Mover<'a> {
     fn first_meeting(&self, wall: (&Wall<'_>, &Rider<'_, ()>), limit: f64) -> Option<Impact> {
         let from = self.course.from;
         if self.course.held {
-            let [.., thinnest] = &self.thinner;
-            return match self.advance(thinnest, wall, (from, limit)) {
+            return match self.advance(&self.thinner(LAYERS - 1), wall, (from, limit)) {
                 Outcome::Meets(impact) => Some(impact),
                 Outcome::Clear | Outcome::Touches => None,
             };
@@ -310,8 +312,7 @@ impl<'a> Mover<'a> {
         match self.advance(&self.core, wall, (from, limit)) {
             Outcome::Clear => None,
             Outcome::Meets(impact) => {
-                let [skinless, ..] = &self.thinner;
-                match self.advance(skinless, wall, (impact.time, 1.0)) {
+                match self.advance(&self.thinner(0), wall, (impact.time, 1.0)) {
                     Outcome::Clear => None,
                     // Into the skin rather than not at all: an overlap is what contacts push out.
                     Outcome::Meets(later) if impact.time - from < EARLY => {
@@ -321,11 +322,11 @@ impl<'a> Mover<'a> {
                 }
             }
             Outcome::Touches => {
-                for (i, core) in self.thinner.iter().enumerate() {
+                for i in 0..LAYERS {
                     if i > 0 && self.skins[i] == self.skins[i - 1] {
                         continue;
                     }
-                    match self.advance(core, wall, (from, limit)) {
+                    match self.advance(&self.thinner(i), wall, (from, limit)) {
                         Outcome::Touches => {}
                         Outcome::Clear => return None,
                         Outcome::Meets(impact) => return Some(impact),

@@ -1,17 +1,18 @@
 //! The residual of rows of contacts: see `constraint/residual.rs`. It asks of each point what the pass asked.
 
+use super::cones::Rates;
 use super::split::Share;
 use super::{Demand, Pass, Shift, Sweep, load_of};
 use crate::constraint::residual::{Greatest, between, note, share, size};
-use crate::constraint::row::{LinkRow, PointRow, ResistRow};
+use crate::constraint::row::{ConeRow, LinkRow, PointRow, ResistRow};
 use crate::constraint::velocities::Velocities;
 use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 
-/// Measures the rows of a group as the sweep's pass leaves them. `resists` as in a visit.
+/// Measures the rows of a group as the sweep's pass leaves them. `resists` and `cones` as in a visit.
 pub(crate) fn measure(
     sweep: &Sweep,
-    (rows, resists): (&[LinkRow], &[ResistRow]),
+    (rows, resists, cones): (&[LinkRow], &[ResistRow], &[ConeRow]),
     points: &[PointRow],
     seats: &[Seat],
     greatest: &mut Greatest,
@@ -23,7 +24,10 @@ pub(crate) fn measure(
         let u = Velocities::gather((&row.seats_a, &row.seats_b), seats, row.locked != 0);
         let shift = Shift::of(row);
         measure_normals(sweep, (row, points), (&u, &shift), &mut greatest.normal);
-        measure_friction((row, points), (&u, &shift), &mut greatest.friction);
+        match cones.get(i).filter(|_| points.len() > 1) {
+            None => measure_friction((row, points), (&u, &shift), &mut greatest.friction),
+            Some(cones) => measure_cones((row, points, cones), (&u, &shift), &mut greatest.friction),
+        }
         if row.resists != 0
             && let Some(resist) = resists.get(i)
         {
@@ -82,6 +86,18 @@ fn measure_friction(
     let twist = between((row.twist_impulse, w, row.twist_mass), limit * row.radius);
     let several = row.count.greater(Lane::splat(1.5));
     note(greatest, several.keep(twist * lever(u, row.twist_mass)));
+}
+
+fn measure_cones(
+    (row, points, cones): (&LinkRow, &[PointRow], &ConeRow),
+    (u, shift): (&Velocities, &Shift),
+    greatest: &mut Lane,
+) {
+    let rates = Rates::new(u, row, cones, (shift, row.surfaces != 0));
+    for (i, point) in points.iter().enumerate() {
+        let (mass, limit) = (rates.step(cones, i, shift), row.friction * point.impulse);
+        note(greatest, in_disc(cones.impulses[i], rates.at(cones.places[i]), (mass, limit)));
+    }
 }
 
 fn measure_resistance(u: &Velocities, resist: &ResistRow, load: Lane, greatest: &mut Lane) {

@@ -52,6 +52,7 @@ pub fn places(scene: &Settings, has_joints: bool) -> Vec<Place> {
     for preset in Preset::ALL {
         add(format!("{}, no refine", preset.name()), Settings { refine: 1, ..turned(preset) });
     }
+    add("balanced, manifolds anew".to_string(), Settings { manifold_drift: 0.0, ..turned(Preset::Balanced) });
     if has_joints {
         for (preset, relax_sweeps) in RELAX {
             add(

@@ -1,6 +1,6 @@
 //! Settings of a scene document.
 
-use cellstep_core::{ContactModel, Preset, Settings};
+use cellstep_core::{ContactModel, FrictionModel, Preset, Settings};
 use serde::{Deserialize, Serialize};
 
 /// The fields of [`Settings`] that a scene may change. `None` keeps the engine's default.
@@ -37,6 +37,13 @@ pub struct SettingsDoc {
     /// How a contact removes overlap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_model: Option<ContactModelDoc>,
+    /// What bounds the friction of a contact of several points.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_model: Option<FrictionModelDoc>,
+    /// How far boxes and hulls may move against each other until their points of contact are found anew, metres; 0
+    /// for in each step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub manifold_drift: Option<f32>,
     /// Natural frequency of a soft contact, Hz; 0 follows the substep rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_frequency: Option<f32>,
@@ -123,6 +130,34 @@ pub enum ContactModelDoc {
     Split,
 }
 
+/// What bounds the friction of a contact of several points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionModelDoc {
+    /// All points together.
+    Patch,
+    /// Each point by its own load.
+    Points,
+}
+
+impl From<FrictionModelDoc> for FrictionModel {
+    fn from(model: FrictionModelDoc) -> Self {
+        match model {
+            FrictionModelDoc::Patch => FrictionModel::Patch,
+            FrictionModelDoc::Points => FrictionModel::Points,
+        }
+    }
+}
+
+impl From<FrictionModel> for FrictionModelDoc {
+    fn from(model: FrictionModel) -> Self {
+        match model {
+            FrictionModel::Patch => FrictionModelDoc::Patch,
+            FrictionModel::Points => FrictionModelDoc::Points,
+        }
+    }
+}
+
 impl From<ContactModelDoc> for ContactModel {
     fn from(model: ContactModelDoc) -> Self {
         match model {
@@ -155,6 +190,8 @@ impl SettingsDoc {
             inner_sweeps: Some(settings.inner_sweeps),
             direct_joints: Some(settings.direct_joints),
             contact_model: Some(settings.contact_model.into()),
+            friction_model: Some(settings.friction_model.into()),
+            manifold_drift: Some(settings.manifold_drift),
             contact_frequency: Some(settings.contact_frequency),
             contact_damping_ratio: Some(settings.contact_damping_ratio),
             refine: Some(settings.refine),
@@ -178,6 +215,8 @@ impl SettingsDoc {
         set(&mut settings.inner_sweeps, self.inner_sweeps);
         set(&mut settings.direct_joints, self.direct_joints);
         set(&mut settings.contact_model, self.contact_model.map(Into::into));
+        set(&mut settings.friction_model, self.friction_model.map(Into::into));
+        set(&mut settings.manifold_drift, self.manifold_drift);
         set(&mut settings.contact_frequency, self.contact_frequency);
         set(&mut settings.contact_damping_ratio, self.contact_damping_ratio);
         set(&mut settings.push_speed, self.push_speed);
