@@ -65,8 +65,10 @@ pub(crate) struct JointLink {
     pub tops: u32,
     /// Bit for each lane that leaps: see `pipeline/leapfrog.rs`.
     pub leaps: u32,
+    /// Not 0 for a joint of an articulation: its locks are in the matrix of that.
+    pub at_once: u32,
     /// Zero.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
     /// What the new axes change of the warm start: impulse on B, N s; whitened angular velocities of A and B. After
     /// the solve the first two are force and torque.
     pub turn_push: LaneVec,

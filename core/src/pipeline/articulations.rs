@@ -9,7 +9,7 @@
 //! Equal articulations are solved side by side in lanes. All of them make one phase of their own, after those of
 //! the ordering.
 //!
-//! All of this follows from the joints and their bodies alone, and is kept as long as they stay.
+//! All of this follows from the joints, their bodies and one setting alone, and is kept as long as they stay.
 
 use crate::cells::{IMMOVABLE, Link};
 use crate::constraint::joint::{

@@ -141,7 +141,6 @@ pub(crate) fn fill<E: Executor>(
     (settings, plan): (&Settings, &Plan),
     crew: &mut Crew<'_, E>,
 ) {
-    let marks = if plan.joints > 0 && settings.relax_sweeps > 0 { &*scratch.joint_marks } else { &[] };
     let scenes = settings.tiers().map(|settings| Scene {
         bodies: state.bodies,
         motions: state.motions,
@@ -157,7 +156,7 @@ pub(crate) fn fill<E: Executor>(
         joints: state.joints,
         joint_axes: state.joint_axes,
         first_joints: state.first_joints,
-        marks,
+        marks: leapfrog::in_use(scratch.joint_marks, plan, &settings),
         joint_slots: scratch.joint_slots,
         active_of: scratch.active_of,
         softness: Softnesses::new(&settings),
@@ -265,7 +264,8 @@ impl Task<'_> {
                 group.leaps |= ball.leaps;
             }
             for row in balls..end {
-                group.leaps |= joints::fill(scene, &mut left, (&lanes.joints[row], &lanes.joint_seats[row]));
+                let lanes = (&lanes.joints[row], &lanes.joint_seats[row], group.articulations);
+                group.leaps |= joints::fill(scene, &mut left, lanes);
             }
             lanes.patterns.of(group).each(joints, |articulation| articulation.factor());
             let mut own_points = take(&mut points, group.points as usize);

@@ -44,11 +44,11 @@ impl core::ops::Deref for View<'_> {
     }
 }
 
-/// Writes one row of joints and cuts it off `rows`. Returns the bits of the lanes that leap.
+/// Writes one row of joints and cuts it off `rows`; `at_once` is not 0 for one of articulations. Returns the bits of the lanes that leap.
 pub(crate) fn fill(
     scene: &Scene<'_>,
     rows: &mut JointRows<'_>,
-    (joints, seats): (&[u32; LANES], &[u32; 2 * LANES]),
+    (joints, seats, at_once): (&[u32; LANES], &[u32; 2 * LANES], u32),
 ) -> u32 {
     let row_of = |joint: u32| {
         let slot = scene.joint_slots[joint as usize] as usize;
@@ -62,7 +62,7 @@ pub(crate) fn fill(
     *link = JointLink::zeroed();
     locks.fill(LockRow::zeroed());
     bounds.fill(BoundRow::zeroed());
-    link.signature = signature.0;
+    (link.signature, link.at_once) = (signature.0, at_once);
     link.seats_a.copy_from_slice(&seats[..LANES]);
     link.seats_b.copy_from_slice(&seats[LANES..]);
     let mut masses = LaneVec::ZERO;
@@ -72,7 +72,9 @@ pub(crate) fn fill(
         }
     }
     place(link, locks, bounds);
-    weigh(locks, bounds, masses);
+    if !bounds.is_empty() {
+        weigh(link, locks, bounds, masses);
+    }
     for (lane, &joint) in joints.iter().enumerate() {
         if joint != EMPTY {
             let joint = &row_of(joint);
@@ -82,7 +84,7 @@ pub(crate) fn fill(
         }
     }
     // What the rows give is known now.
-    weigh(locks, bounds, masses);
+    weigh(link, locks, bounds, masses);
     link.leaps
 }
 
@@ -242,7 +244,9 @@ fn set_locks(
         } else if coupled {
             row.error.set(lane, joint.slip);
         }
-        let softener = joint.spring.softener(row.ways.yields(&row.ways, masses).get(lane), scene.substep);
+        let gives = joint.spring.gives();
+        let yields = if gives { row.ways.yields(&row.ways, masses).get(lane) } else { 0.0 };
+        let softener = joint.spring.softener(yields, scene.substep);
         let (rate, give) = softener.map_or((LOCK_PUSH / scene.substep, 0.0), |s| (s.rate, s.give));
         row.rate.set(lane, rate);
         row.give.set(lane, min(give, FAR));
@@ -517,8 +521,9 @@ impl Results<'_> {
         if row[1] == EMPTY {
             balls::store(&self.balls[row[0] as usize], lane, (joint, rate));
         } else {
-            self.store_link((joint, axes), row, lane);
-            if !(joint.is_finite() && axes.iter().all(AxisRow::is_finite)) {
+            let has_bounds = self.store_link((joint, axes), row, lane);
+            // Without bounds the axes are what they were.
+            if !(joint.is_finite() && (!has_bounds || axes.iter().all(AxisRow::is_finite))) {
                 joint.forget();
                 axes.iter_mut().for_each(AxisRow::forget);
                 axes.iter_mut().for_each(|axis| axis.turn = 0.0);
@@ -530,7 +535,13 @@ impl Results<'_> {
         }
     }
 
-    fn store_link(&self, (joint, axes): (&mut JointRow, &mut [AxisRow; 6]), row: [u32; 3], lane: usize) {
+    /// Returns whether the joint has bounds.
+    fn store_link(
+        &self,
+        (joint, axes): (&mut JointRow, &mut [AxisRow; 6]),
+        row: [u32; 3],
+        lane: usize,
+    ) -> bool {
         let [link, locks, bounds] = row.map(|first| first as usize);
         let link = &self.links[link];
         let signature = link.signature();
@@ -570,5 +581,6 @@ impl Results<'_> {
             }
         }
         (joint.force, joint.torque) = (link.turn_push.get(lane), link.turn_a.get(lane));
+        !bounds.is_empty()
     }
 }

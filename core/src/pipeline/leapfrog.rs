@@ -6,14 +6,15 @@
 //! left falls with the square (leapfrog; Stoermer and Verlet; with constraints: Andersen, RATTLE, 1983). What the
 //! second half does to the joints is taken back by one more visit of them, which moves nothing.
 //!
-//! That needs rows that a visit solves exactly, whatever the impulses were before. So a body *leaps* when its joints
-//! are of one articulation, or it has one joint; when all of those hold rigidly and nothing of them has bounds; and
-//! when no body of them touches anything. The others fall and bounce as their closed forms say.
+//! That needs rows that a visit solves exactly, whatever the impulses were before. So a body *leaps* when its
+//! joints are of one articulation, or it has one joint; when all of those hold rigidly and nothing of them has
+//! bounds; and when no body of them touches anything. The others fall and bounce as their closed forms say.
 
 use crate::cells::{IMMOVABLE, Link};
+use crate::config::Settings;
 use crate::joint::JointRow;
 use crate::lanes::{LANES, Lane, Mask};
-use crate::pipeline::layout::EMPTY;
+use crate::pipeline::layout::{EMPTY, Plan};
 use crate::pipeline::ordering::Links;
 use crate::state::{Cache, Scratch, State};
 
@@ -54,6 +55,11 @@ pub(crate) fn mark(state: &State<'_>, (cache, scratch): (&Cache<'_>, &mut Scratc
             }
         }
     }
+}
+
+/// The marks, where there are any, and a relax sweep that makes a step its own mirror image.
+pub(crate) fn in_use<'a>(marks: &'a [u32], plan: &Plan, settings: &Settings) -> &'a [u32] {
+    if plan.joints > 0 && settings.relax_sweeps > 0 { marks } else { &[] }
 }
 
 /// True for a body with this mark that leaps.

@@ -1,7 +1,8 @@
 //! The solve (the talk's fourth stage): sweeps over the phases, one barrier after each.
 //!
 //! ```text
-//! step    = first push + warm sweep, then substeps, then a bounce sweep if something bounces
+//! step    = first push + warm sweep, then substeps, then the last push of joints that leap and a bounce sweep, if
+//!           something leaps or bounces
 //! substep = biased sweeps (phase 0 of the first pushes velocities), relax sweeps (phase 0 of the first moves)
 //! ```
 //! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind.

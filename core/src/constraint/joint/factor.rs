@@ -58,19 +58,31 @@ impl Matrix<'_> {
     pub fn factor(&mut self, links: &[JointLink], locks: &[LockRow]) {
         self.fill(links, locks);
         for (i, spec) in self.pattern.nodes.iter().enumerate() {
-            let size = spec.size as usize;
-            self.nodes[i].factor(size, spec.joint != NONE);
-            let node = self.nodes[i];
-            let own = spec.own_blocks();
-            for block in &mut self.blocks[own.clone()] {
-                block.divide(&node, size);
+            // Compiled for each size, so that inner loops have no ends to test.
+            match spec.size {
+                1 => self.take_out::<1>(i, spec),
+                2 => self.take_out::<2>(i, spec),
+                3 => self.take_out::<3>(i, spec),
+                4 => self.take_out::<4>(i, spec),
+                5 => self.take_out::<5>(i, spec),
+                _ => self.take_out::<6>(i, spec),
             }
-            for p in own.clone() {
-                self.update((p, own.end), &node, spec);
-            }
-            for block in &mut self.blocks[own] {
-                block.scale(&node, size);
-            }
+        }
+    }
+
+    /// Factors the column of a node of size `N`, and takes it from what comes later.
+    fn take_out<const N: usize>(&mut self, i: usize, spec: &NodeSpec) {
+        self.nodes[i].factor::<N>(spec.joint != NONE);
+        let node = self.nodes[i];
+        let own = spec.own_blocks();
+        for block in &mut self.blocks[own.clone()] {
+            block.divide::<N>(&node);
+        }
+        for p in own.clone() {
+            self.update::<N>((p, own.end), &node, spec);
+        }
+        for block in &mut self.blocks[own] {
+            block.scale::<N>(&node);
         }
     }
 
@@ -112,25 +124,25 @@ impl Matrix<'_> {
     }
 
     /// Takes from what comes later its share of a column: the block `p` with each one from there to `end`.
-    fn update(&mut self, (p, end): (usize, usize), node: &NodeRow, spec: &NodeSpec) {
+    fn update<const N: usize>(&mut self, (p, end): (usize, usize), node: &NodeRow, spec: &NodeSpec) {
         let (specs, nodes) = (self.pattern.blocks, self.pattern.nodes);
-        let (size, is_body) = (spec.size as usize, spec.joint == NONE);
+        let is_body = spec.joint == NONE;
         let place = specs[p].row as usize;
         let rows = nodes[place].size as usize;
         let divided = self.blocks[p];
         let mut scaled = divided;
-        scaled.scale(node, size);
+        scaled.scale::<N>(node);
         let to = &mut self.nodes[place];
         for r in 0..rows {
             for c in 0..=r {
-                let change = divided.row_times(r, &scaled, c, size);
+                let change = divided.row_times::<N>(r, &scaled, c);
                 to.diagonal[at(r, c)] = to.diagonal[at(r, c)] - change;
                 if is_body && r == c {
                     to.added[r] = to.added[r] + change;
                     to.side[r] = to.side[r] + change;
                 }
             }
-            for k in 0..if is_body { 0 } else { size } {
+            for k in 0..if is_body { 0 } else { N } {
                 let share = scaled.values[r * SIZE + k];
                 to.side[r] = to.side[r] + share * share * node.side[k];
             }
@@ -146,7 +158,7 @@ impl Matrix<'_> {
             for r in 0..nodes[row as usize].size as usize {
                 for c in 0..rows {
                     let i = r * SIZE + c;
-                    to[i] = to[i] - before[q].row_times(r, &scaled, c, size);
+                    to[i] = to[i] - before[q].row_times::<N>(r, &scaled, c);
                 }
             }
         }
@@ -155,50 +167,72 @@ impl Matrix<'_> {
     /// Solves for the sides of the nodes.
     pub fn solve(&mut self) {
         for (i, spec) in self.pattern.nodes.iter().enumerate() {
-            let size = spec.size as usize;
-            self.nodes[i].eliminate(size);
-            let side = self.nodes[i].side;
-            let own = spec.own_blocks();
-            for (block, other) in self.blocks[own.clone()].iter().zip(&self.pattern.blocks[own]) {
-                let rows = self.pattern.nodes[other.row as usize].size as usize;
-                let to = &mut self.nodes[other.row as usize].side;
-                for (r, to) in to.iter_mut().enumerate().take(rows) {
-                    for (c, x) in side.iter().enumerate().take(size) {
-                        *to = *to - block.values[r * SIZE + c] * *x;
-                    }
-                }
+            match spec.size {
+                1 => self.descend::<1>(i, spec),
+                2 => self.descend::<2>(i, spec),
+                3 => self.descend::<3>(i, spec),
+                4 => self.descend::<4>(i, spec),
+                5 => self.descend::<5>(i, spec),
+                _ => self.descend::<6>(i, spec),
             }
         }
         for (i, spec) in self.pattern.nodes.iter().enumerate().rev() {
-            let size = spec.size as usize;
-            let mut side = self.nodes[i].side;
-            for (r, x) in side.iter_mut().enumerate().take(size) {
-                *x = *x * self.nodes[i].diagonal[at(r, r)];
+            match spec.size {
+                1 => self.ascend::<1>(i, spec),
+                2 => self.ascend::<2>(i, spec),
+                3 => self.ascend::<3>(i, spec),
+                4 => self.ascend::<4>(i, spec),
+                5 => self.ascend::<5>(i, spec),
+                _ => self.ascend::<6>(i, spec),
             }
-            let own = spec.own_blocks();
-            for (block, other) in self.blocks[own.clone()].iter().zip(&self.pattern.blocks[own]) {
-                let rows = self.pattern.nodes[other.row as usize].size as usize;
-                let from = &self.nodes[other.row as usize].side;
-                for (r, from) in from.iter().enumerate().take(rows) {
-                    for (c, x) in side.iter_mut().enumerate().take(size) {
-                        *x = *x - block.values[r * SIZE + c] * *from;
-                    }
+        }
+    }
+
+    /// Takes a node's side, by its column of L, from those of what comes later.
+    fn descend<const N: usize>(&mut self, i: usize, spec: &NodeSpec) {
+        self.nodes[i].eliminate::<N>();
+        let side = self.nodes[i].side;
+        let own = spec.own_blocks();
+        for (block, other) in self.blocks[own.clone()].iter().zip(&self.pattern.blocks[own]) {
+            let rows = self.pattern.nodes[other.row as usize].size as usize;
+            let to = &mut self.nodes[other.row as usize].side;
+            for (row, to) in block.values.as_chunks::<SIZE>().0.iter().zip(to).take(rows) {
+                for c in 0..N {
+                    *to = *to - row[c] * side[c];
                 }
             }
-            self.nodes[i].side = side;
-            self.nodes[i].substitute(size);
         }
+    }
+
+    /// Finds a node's answer from those of what comes later.
+    fn ascend<const N: usize>(&mut self, i: usize, spec: &NodeSpec) {
+        let mut side = self.nodes[i].side;
+        for (r, x) in side.iter_mut().enumerate().take(N) {
+            *x = *x * self.nodes[i].diagonal[at(r, r)];
+        }
+        let own = spec.own_blocks();
+        for (block, other) in self.blocks[own.clone()].iter().zip(&self.pattern.blocks[own]) {
+            let rows = self.pattern.nodes[other.row as usize].size as usize;
+            let from = &self.nodes[other.row as usize].side;
+            for (row, from) in block.values.as_chunks::<SIZE>().0.iter().zip(from).take(rows) {
+                for c in 0..N {
+                    side[c] = side[c] - row[c] * *from;
+                }
+            }
+        }
+        self.nodes[i].side = side;
+        self.nodes[i].substitute::<N>();
     }
 }
 
 impl NodeRow {
     /// Factors the diagonal block. Pivots of bodies are 1 and more, those of joints negative; one that is
     /// rounding only says that others hold the row already, and it gets no impulse.
-    fn factor(&mut self, size: usize, is_joint: bool) {
+    fn factor<const N: usize>(&mut self, is_joint: bool) {
         let (one, share_least) = (Lane::splat(1.0), Lane::splat(PIVOT_SHARE));
         let least = Lane::splat(f32::MIN_POSITIVE);
         let a = &mut self.diagonal;
-        for r in 0..size {
+        for r in 0..N {
             for c in 0..r {
                 let mut entry = a[at(r, c)];
                 for k in 0..c {
@@ -229,8 +263,8 @@ impl NodeRow {
 
     /// Applies the inverse of L to the side.
     #[inline(always)]
-    fn eliminate(&mut self, size: usize) {
-        for r in 1..size {
+    fn eliminate<const N: usize>(&mut self) {
+        for r in 1..N {
             for c in 0..r {
                 self.side[r] = self.side[r] - self.diagonal[at(r, c)] * self.side[c];
             }
@@ -239,8 +273,8 @@ impl NodeRow {
 
     /// Applies the inverse of Lt to the side.
     #[inline(always)]
-    fn substitute(&mut self, size: usize) {
-        for r in (1..size).rev() {
+    fn substitute<const N: usize>(&mut self) {
+        for r in (1..N).rev() {
             for c in 0..r {
                 self.side[c] = self.side[c] - self.diagonal[at(r, c)] * self.side[r];
             }
@@ -250,9 +284,9 @@ impl NodeRow {
 
 impl BlockRow {
     /// From entries to L D.
-    fn divide(&mut self, node: &NodeRow, size: usize) {
+    fn divide<const N: usize>(&mut self, node: &NodeRow) {
         for row in self.values.as_chunks_mut::<SIZE>().0 {
-            for c in 1..size {
+            for c in 1..N {
                 for k in 0..c {
                     row[c] = row[c] - row[k] * node.diagonal[at(c, k)];
                 }
@@ -261,9 +295,9 @@ impl BlockRow {
     }
 
     /// From L D to L.
-    fn scale(&mut self, node: &NodeRow, size: usize) {
+    fn scale<const N: usize>(&mut self, node: &NodeRow) {
         for row in self.values.as_chunks_mut::<SIZE>().0 {
-            for (c, x) in row.iter_mut().enumerate().take(size) {
+            for (c, x) in row.iter_mut().enumerate().take(N) {
                 *x = *x * node.diagonal[at(c, c)];
             }
         }
@@ -271,9 +305,9 @@ impl BlockRow {
 
     /// Row `r` times row `c` of another block.
     #[inline(always)]
-    fn row_times(&self, r: usize, other: &Self, c: usize, size: usize) -> Lane {
+    fn row_times<const N: usize>(&self, r: usize, other: &Self, c: usize) -> Lane {
         let mut sum = Lane::ZERO;
-        for k in 0..size {
+        for k in 0..N {
             sum = sum + self.values[r * SIZE + k] * other.values[c * SIZE + k];
         }
         sum

@@ -190,7 +190,10 @@ pub(crate) fn place(link: &mut JointLink, locks: &mut [LockRow], bounds: &mut [B
 }
 
 /// Derives the masses of placed rows. `masses` are the inverse masses of both bodies along the axes.
-pub(crate) fn weigh(locks: &mut [LockRow], bounds: &mut [BoundRow], masses: LaneVec) {
+pub(crate) fn weigh(link: &JointLink, locks: &mut [LockRow], bounds: &mut [BoundRow], masses: LaneVec) {
+    if link.at_once != 0 && bounds.is_empty() {
+        return;
+    }
     factor(locks, masses);
     for row in bounds {
         let own = row.ways.yields(&row.ways, masses);
@@ -316,7 +319,7 @@ pub(super) fn follow(
             (row.low, row.high) = (row.low + change, row.high + change);
         }
     }
-    weigh(locks, bounds, masses);
+    weigh(link, locks, bounds, masses);
     let after = efforts(locks, bounds);
     link.turn_push = after[0] - before[0];
     link.turn_a = after[1] - before[1];
