@@ -114,8 +114,8 @@ pub struct Settings {
     /// How far two boxes or hulls may move against each other until their points of contact are found anew, metres,
     /// `0..=`[`MANIFOLD_DRIFT`], and at most a 64th of the smaller one's radius; in a step at most a quarter of it.
     /// Until then the points go with the shapes, and arms with the bodies as they stood, so that what leans by less
-    /// than a hundredth of a radian does not feel it: tall stacks need that. 0 finds the points of all contacts anew
-    /// in each step.
+    /// than a hundredth of a radian does not feel it: tall stacks need that. 0 finds the points of all contacts
+    /// anew in each step.
     pub manifold_drift: f32,
     /// Contact frequency, Hz, in `0..=1e5`; 0 follows the substep rate as [`CONTACT_COUPLING`] per substep.
     pub contact_frequency: f32,
@@ -176,8 +176,8 @@ pub enum ContactModel {
 
 /// What bounds the friction of a contact of several points. That of one point is the same in both.
 ///
-/// In both it is Coulomb's with a round cone, and friction that holds is the same where it is within its bounds: the
-/// models differ in what a contact bears that turns about its normal, and in how loads that are not even count.
+/// In both it is Coulomb's with a round cone, and friction that holds is the same where it is within its bounds:
+/// the models differ in what a contact bears that turns about its normal, and in how loads that are not even count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrictionModel {
     /// All points together: the force along the tangents at their middle within a disc of the coefficient of

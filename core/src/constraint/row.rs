@@ -153,7 +153,8 @@ pub(crate) struct ResistRow {
 pub(crate) struct ConeRow {
     /// Places of the points along both tangents, from the patch's middle, metres.
     pub places: [[Lane; 2]; 4],
-    /// Step of each point's tangents: 1 / greatest eigenvalue of their 2x2 block, kg. 0 in a lane without this point.
+    /// Step of each point's tangents: 1 / greatest eigenvalue of their 2x2 block, kg. 0 in a lane without this
+    /// point.
     pub masses: [Lane; 4],
     /// Impulses along both tangents, N s.
     pub impulses: [[Lane; 2]; 4],

@@ -165,12 +165,10 @@ pub(crate) fn fill<E: Executor>(
         dt: settings.dt,
         hits: events::measures_hits(state),
     });
-    let groups = &mut cache.groups[..plan.groups];
-    let (mut links, mut points) =
-        (&mut scratch.link_rows[..plan.rows], &mut scratch.point_rows[..plan.points]);
-    let (mut first_points, mut resists) = (&mut scratch.row_points[..plan.rows], &mut *scratch.resist_rows);
-    let mut cones = cones_of(settings, scratch.cone_rows);
-    let mut seats = &mut scratch.seats[..plan.seats];
+    let (mut links, mut seats) = (&mut scratch.link_rows[..plan.rows], &mut scratch.seats[..plan.seats]);
+    let mut points = &mut scratch.point_rows[..plan.points];
+    let mut first_points = &mut scratch.row_points[..plan.rows];
+    let (mut resists, mut cones) = (&mut *scratch.resist_rows, cones_of(settings, scratch.cone_rows));
     let mut movers = &mut scratch.movers[..plan.moving / LANES];
     let mut joints = JointRows {
         balls: &mut scratch.ball_rows[..plan.balls],
@@ -189,23 +187,27 @@ pub(crate) fn fill<E: Executor>(
         patterns: Patterns { rows: cache.articulations, nodes: cache.nodes, blocks: cache.blocks },
     };
     let mut tasks: Tasks<Task<'_>> = Tasks::new();
-    for groups in groups.chunks_mut(chunk(plan.groups, 1)) {
-        let sum = |count: fn(&Group) -> u32| groups.iter().map(count).sum::<u32>() as usize;
-        let (rows, moving) = (sum(|g| g.rows), sum(|g| if g.phase == 0 { g.seats } else { 0 }));
+    for groups in cache.groups[..plan.groups].chunks_mut(chunk(plan.groups, 1)) {
+        let rows = sum(groups, |g| g.rows);
         let task = Task {
             links: take(&mut links, rows),
-            points: take(&mut points, sum(|g| g.points)),
+            points: take(&mut points, sum(groups, |g| g.points)),
             first_points: take(&mut first_points, rows),
             resists: take_some(&mut resists, rows as u32),
             cones: take_some(&mut cones, rows as u32),
-            seats: take(&mut seats, sum(|g| g.seats)),
-            movers: take(&mut movers, moving / LANES),
+            seats: take(&mut seats, sum(groups, |g| g.seats)),
+            movers: take(&mut movers, sum(groups, |g| if g.phase == 0 { g.seats } else { 0 }) / LANES),
             joints: joints.take_all(groups),
             groups,
         };
         push(&mut tasks, task);
     }
     crew.run(Stage::Assembly, &mut tasks, |task| task.fill(&scenes, &lanes));
+}
+
+/// What some groups have in all.
+fn sum(groups: &[Group], count: fn(&Group) -> u32) -> usize {
+    groups.iter().map(count).sum::<u32>() as usize
 }
 
 /// The rows of cones that a step has: none where friction is that of patches.

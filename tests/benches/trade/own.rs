@@ -129,6 +129,16 @@ pub fn describe(s: &Settings) -> String {
     format!("{sweeps}, {contacts}, {refined}{friction}{manifolds}{continuous}{joints}")
 }
 
+/// Leaves out settings that came before, but for presets.
+fn leave_out_twins(named: &mut Vec<(String, Settings, Option<Preset>)>) {
+    let mut known: Vec<Settings> = Vec::new();
+    named.retain(|(_, settings, preset)| {
+        let is_new = preset.is_some() || !known.contains(settings);
+        known.push(*settings);
+        is_new
+    });
+}
+
 /// The presets, then what differs from `balanced` in one setting, then split contacts at more and fewer substeps
 /// without refinement.
 /// What is the same as one before is left out, and so is what cannot matter in the scene.
@@ -187,12 +197,7 @@ pub fn configs(kind: Kind) -> Vec<Config> {
             add(format!("split, {substeps} substeps"), settings);
         }
     }
-    let mut known: Vec<Settings> = Vec::new();
-    named.retain(|(_, settings, preset)| {
-        let is_new = preset.is_some() || !known.contains(settings);
-        known.push(*settings);
-        is_new
-    });
+    leave_out_twins(&mut named);
     let config = |(name, settings, preset): (String, Settings, Option<Preset>)| Config {
         engine: NAME,
         name,

@@ -4,8 +4,8 @@
 //! F_i = -mu l_i u_i / |u_i|     u_i = v + w x r_i      m v' = sum F_i      I w' = sum r_i x F_i
 //! ```
 //! The loads are linear in the plane and balance the weight and the torque of friction, which acts at the floor and
-//! not at the height of the center. Those of three corners follow from that alone; those of four do for a slab whose
-//! mass is in its middle, as far as it is low: else they depend on how the slab was put down.
+//! not at the height of the center. Those of three corners follow from that alone; those of four do for a slab
+//! whose mass is in its middle, as far as it is low: else they depend on how the slab was put down.
 
 use super::{MODELS, with};
 use cellstep::math::{Rotation, Vec3};

@@ -1,6 +1,7 @@
 //! Friction with a cone for each point: `|lambda_t| <= mu lambda_n`, point by point.
 //!
-//! The points of a contact lie in its plane, and what slides on a plane moves as a rigid body there. So the rates of
+//! The points of a contact lie in its plane, and what slides on a plane moves as a rigid body there. So the rates
+//! of
 //! a point at `(p, q)` along the tangents follow from those of the patch at its middle, `x`, `y` and the twist `z`,
 //! and its impulses add up to those of the patch:
 //! ```text
@@ -10,8 +11,8 @@
 //! The row's tangents and twist therefore serve as they are: their impulses are the sums of the points', which is
 //! what warm-starts, follows slides, and is read by others. Only here are the points told apart.
 //!
-//! What each point got is not kept from step to step: at the start of one the patch's impulse is dealt to the points
-//! by their loads (`pipeline/rows/cones.rs`).
+//! What each point got is not kept from step to step: at the start of one the patch's impulse is dealt to the
+//! points by their loads (`pipeline/rows/cones.rs`).
 
 use super::{Friction, Shift};
 use crate::constraint::row::{ConeRow, LinkRow, PointRow};

@@ -99,8 +99,8 @@ impl<'a> Shares<'a> {
 }
 
 /// Deals the impulse of a patch to its points, each within its cone: what is beyond a cone is cut off and dealt
-/// again to all, some times (alternating projections onto the cones and onto what has the right sum). What the cones
-/// do not bear, and a twist whose load stands on one point, is lost.
+/// again to all, some times (alternating projections onto the cones and onto what has the right sum). What the
+/// cones do not bear, and a twist whose load stands on one point, is lost.
 fn deal(row: &mut LinkRow, cones: &mut ConeRow, points: &[PointRow]) {
     let one = Lane::splat(1.0);
     let shares = Shares::new(points, &cones.places);
