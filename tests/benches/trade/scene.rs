@@ -238,7 +238,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    #[cfg(feature = "peers")]
     pub fn has_joints(self) -> bool {
         matches!(self, Kind::Jointed | Kind::Both)
     }

@@ -1,6 +1,6 @@
 //! Joints visited one by one, instead of those that hang together at once.
 
-use cellstep::math::{Pose, Rotation, Vec3, length};
+use cellstep::math::{Pose, Rotation, Vec3, length, max};
 use cellstep::{BodyHandle, JointDef, JointHandle, Serial, Settings};
 use cellstep_tests::jointed::{Bar, about_y, at, ball, force, gap, jointed, massive, weightless};
 use cellstep_tests::oracles::GRAVITY;
@@ -87,7 +87,7 @@ fn apart(is_hinge: bool, (substeps, sweeps): (u32, u32)) -> (f32, f64) {
         places.push(bodies.iter().map(|&body| world.center(body).expect("lives")).collect::<Vec<_>>());
     }
     let pairs = places[0].iter().zip(&places[1]);
-    (pairs.map(|(a, b)| length(b.minus(*a))).fold(0.0, f32::max), widest)
+    (pairs.map(|(a, b)| length(b.minus(*a))).fold(0.0, max), widest)
 }
 
 #[test]
