@@ -44,7 +44,8 @@ impl core::ops::Deref for View<'_> {
     }
 }
 
-/// Writes one row of joints and cuts it off `rows`; `at_once` is not 0 for one of articulations. Returns the bits of the lanes that leap.
+/// Writes one row of joints and cuts it off `rows`; `at_once` is not 0 for one of articulations. Returns the bits
+/// of the lanes that leap.
 pub(crate) fn fill(
     scene: &Scene<'_>,
     rows: &mut JointRows<'_>,

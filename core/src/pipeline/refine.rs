@@ -6,9 +6,9 @@
 //! substeps, and contacts that are stiffer by the square of it. Large islands stay as they are: for those the dial
 //! is the substeps of all.
 //!
-//! An island that stands at rest when it begins, as one that is just built, has no loads yet to tell, and nothing to
-//! start its solve from: such a one is refined at once, until its loads say otherwise. An overhang within 1 % of
-//! balance falls in its first second without that.
+//! An island that stands at rest when it begins, as one that is just built, has no loads yet to tell, and nothing
+//! to start its solve from: such a one is refined at once, until its loads say otherwise. An overhang within 1 %
+//! of balance falls in its first second without that.
 //!
 //! Which bodies are refined is state. It is looked at every few steps, and whenever something refined touches
 //! something that is not: an island has one tier. Impulses are those of a substep, and go along with its length.

@@ -9,14 +9,11 @@ use super::{EMPTY, GROUP_LINKS, LINK_GROUPS_MAX, Schedule, Tables};
 use crate::cells::{Block, IMMOVABLE, Link};
 use crate::lanes::LANES;
 
-/// Rows of chains are left for levels where less than this share of their lanes has a link: one in so many.
-const SPARSE: usize = 2;
-
-/// True when chains of these loads, of one group, would leave most lanes empty.
+/// True when chains of these loads, of one group, would leave lanes empty.
 pub(super) fn are_sparse(loads: &[u32], groups: usize) -> bool {
     let longest = loads.iter().copied().max().unwrap_or(0) as usize;
     let links = loads.iter().sum::<u32>() as usize;
-    groups == 1 && links <= GROUP_LINKS && links * SPARSE < longest * LANES * 2
+    groups == 1 && links <= GROUP_LINKS && links < longest * LANES
 }
 
 /// Writes each contact to the next row of its chain. Links and contacts have the same indices.
@@ -33,8 +30,8 @@ pub(super) fn place(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tabl
     }
 }
 
-/// Writes each contact of a group to the first row with a free lane in which its bodies are free. Returns the number
-/// of rows.
+/// Writes each contact of a group to the first row with a free lane in which its bodies are free. Returns the
+/// number of rows.
 pub(super) fn place_by_levels(
     schedule: &Schedule<'_>,
     blocks: &[Block],
