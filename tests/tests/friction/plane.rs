@@ -90,9 +90,9 @@ impl Slab {
         let h = 1.0e-5;
         for _ in 0..(time / h).round() as usize {
             let (force, torque) = self.friction();
-            for k in 0..2 {
-                self.velocity[k] += h * force[k];
-                self.place[k] += h * self.velocity[k];
+            for ((velocity, place), force) in self.velocity.iter_mut().zip(&mut self.place).zip(force) {
+                *velocity += h * force;
+                *place += h * *velocity;
             }
             self.spin += h * torque / MOMENT;
             self.angle += h * self.spin;
