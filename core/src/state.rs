@@ -321,8 +321,6 @@ pub(crate) struct CacheHeader {
     pub ordered_joints: u32,
     /// 1 when the leaves of the tree of moving shapes are the right ones, whatever their boxes.
     pub moving_listed: u32,
-    /// How often a shape has left its box since these leaves were sorted.
-    pub moving_left: u32,
     /// 1 when the boxes of both trees are around the shapes as they are now: for queries.
     pub queried: u32,
     /// Number of joints that are arranged, plus 1, and `ALL_LOOSE` if none was to be held at once; 0 when there is
@@ -332,8 +330,6 @@ pub(crate) struct CacheHeader {
     pub loose_joints: u32,
     /// Rows of articulations.
     pub articulations: u32,
-    /// Zero.
-    pub reserved: u32,
 }
 
 region! {

@@ -28,8 +28,6 @@ const GONE: u8 = 2;
 pub(crate) const SLEEPS: u8 = 4;
 /// Sectors from the trees' own to where boxes are rounded by 4 mm: 32 km.
 const HOME_SECTORS: u32 = 512;
-/// How often each shape may leave its box, in the mean, before the leaves of the tree are sorted anew.
-const ORDER_SERVES: u32 = 2;
 /// Shapes for which updating boxes is worth a task.
 const UPDATE_SHAPES: usize = 256;
 /// Moved shapes for which a search is worth a task.
@@ -52,7 +50,6 @@ pub(crate) fn run<E: Executor>(
         state.header[0].static_version += 1;
     }
     cache.header[0].moving_fits = 0;
-    cache.header[0].moving_left = cache.header[0].moving_left.saturating_add(moved as u32);
     let sector_of = |body: u32| state.motions[body as usize].center.sector;
     refresh_trees((state, sector_of), cache, (scratch.tree_boxes, scratch.tree_keys));
     find_pairs(state, cache, scratch, (moved, crew, counts));
@@ -265,41 +262,23 @@ pub(crate) fn refresh_trees(
         } else {
             (&mut *cache.moving_order, &mut *cache.moving_nodes)
         };
-        // Boxes that are left are left by little: the order of the leaves serves for a while.
-        let serves = header.moving_left / ORDER_SERVES <= header.moving_leaves;
-        if !is_static && header.moving_listed != 0 && serves {
-            let order = &order[..header.moving_leaves as usize];
-            write_boxes((state, &sector_of), order.iter().copied(), (sector, boxes));
-            tree::refit(boxes, order, nodes);
-            header.moving_fits = 1;
-            continue;
-        }
         let belongs = |slot: &u32| {
             let body = state.shapes[*slot as usize].body as usize;
             state.bodies[body].rests() == is_static
         };
         let used = || crate::pool::iterate(state.shape_used, state.header[0].shapes.high).filter(belongs);
-        write_boxes((state, &sector_of), used(), (sector, boxes));
+        for slot in used() {
+            let shape = &state.shapes[slot as usize];
+            boxes[slot as usize] = box_between(shape, sector_of(shape.body), sector);
+        }
         let leaves = tree::build(boxes, used(), keys, order, nodes) as u32;
         if is_static {
             header.static_leaves = leaves;
             header.static_stamp = stamp;
         } else {
             header.moving_leaves = leaves;
-            (header.moving_fits, header.moving_listed, header.moving_left) = (1, 1, 0);
+            (header.moving_fits, header.moving_listed) = (1, 1);
         }
-    }
-}
-
-/// Writes the fat boxes of shapes in the trees' coordinates.
-fn write_boxes(
-    (state, sector_of): (&State<'_>, &impl Fn(u32) -> [i32; 3]),
-    slots: impl Iterator<Item = u32>,
-    (sector, boxes): ([i32; 3], &mut [Aabb]),
-) {
-    for slot in slots {
-        let shape = &state.shapes[slot as usize];
-        boxes[slot as usize] = box_between(shape, sector_of(shape.body), sector);
     }
 }
 

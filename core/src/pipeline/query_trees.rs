@@ -110,7 +110,7 @@ fn refresh_moving(state: &State<'_>, cache: &mut Cache<'_>, scratch: &mut Scratc
     } else {
         let leaves = tree::build(scratch.tree_boxes, shapes(state, false), scratch.tree_keys, order, nodes);
         cache.header[0].moving_leaves = leaves as u32;
-        (cache.header[0].moving_listed, cache.header[0].moving_left) = (1, 0);
+        cache.header[0].moving_listed = 1;
     }
     cache.header[0].moving_fits = 0;
     cache.header[0].queried = 1;
