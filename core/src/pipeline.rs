@@ -17,7 +17,6 @@ pub(crate) mod finish;
 pub(crate) mod integration;
 pub(crate) mod joints;
 pub(crate) mod layout;
-pub(crate) mod leapfrog;
 pub(crate) mod meeting;
 pub(crate) mod mover;
 pub(crate) mod narrowphase;
@@ -210,9 +209,7 @@ fn activate<E: Executor>(
     let held = ordering::list_held(state, scratch);
     refine::run(state, scratch, settings, (contacts, held));
     let loose = ordering::write_joints(state, (cache, scratch), (contacts, held), settings.direct_joints);
-    let links = Links { bodies: count, contacts, joints: loose, articulated: held - loose };
-    leapfrog::mark(state, (cache, scratch), links);
-    links
+    Links { bodies: count, contacts, joints: loose, articulated: held - loose }
 }
 
 fn report(

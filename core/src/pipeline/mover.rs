@@ -51,12 +51,8 @@ pub(crate) struct MoverRow {
     tops: u32,
     /// Bit for each lane with a slender top that has no joints.
     slender: u32,
-    /// Bit for each lane whose body gets half of a push first and half last: see `pipeline/leapfrog.rs`.
-    pub leaps: u32,
-    /// Bit for each of them that begins a substep without the impulses of the one before.
-    pub alone: u32,
     /// Zero.
-    reserved: [u32; 4],
+    reserved: [u32; 6],
 }
 
 /// A top is slender when the moment about its long axis is less than a third of the next one.
@@ -127,32 +123,17 @@ impl MoverRow {
     /// Velocities of the first substep: gravity, forces, damping. The warm sweep follows.
     pub fn push_first(&mut self, seats: &mut [Seat; LANES]) {
         for (lane, seat) in seats.iter_mut().enumerate() {
-            let push = if self.leaps >> lane & 1 == 1 { self.half_push(lane) } else { self.push[lane] };
-            self.star[lane] = self.pushed(lane, seat.velocity, push);
+            self.star[lane] = self.pushed(lane, seat.velocity);
             seat.velocity = self.star[lane];
         }
-    }
-
-    /// The second half of the push of bodies that leap, after the last substep.
-    pub fn push_last(&mut self, seats: &mut [Seat; LANES]) {
-        for (lane, seat) in seats.iter_mut().enumerate() {
-            if self.leaps >> lane & 1 == 1 {
-                seat.velocity = seat.velocity + self.half_push(lane);
-            }
-        }
-    }
-
-    fn half_push(&self, lane: usize) -> Words {
-        self.push[lane] * Words::new([0.5; 8])
     }
 
     /// Velocities of a later substep: as the first, then the impulses of the substep before as warm start. Their
     /// sum on a body is the difference `v - star` that they made.
     pub fn push_again(&mut self, seats: &mut [Seat; LANES], nudges: bool) {
         for (lane, seat) in seats.iter_mut().enumerate() {
-            let is_alone = self.alone >> lane & 1 == 1;
-            let warm = if is_alone { Words::ZERO } else { seat.velocity - self.star[lane] };
-            self.star[lane] = self.pushed(lane, seat.velocity, self.push[lane]);
+            let warm = seat.velocity - self.star[lane];
+            self.star[lane] = self.pushed(lane, seat.velocity);
             seat.velocity = self.star[lane] + warm;
             if nudges {
                 seat.moved = Words::ZERO;
@@ -161,8 +142,8 @@ impl MoverRow {
     }
 
     #[inline(always)]
-    fn pushed(&self, lane: usize, velocity: Words, push: Words) -> Words {
-        let v = velocity + push;
+    fn pushed(&self, lane: usize, velocity: Words) -> Words {
+        let v = velocity + self.push[lane];
         let v = v - v * self.loss[lane];
         // Inverse mass and locks stay as they are.
         let tiny = Words::new([1.0e-18, 1.0e-18, 1.0e-18, 0.0, 1.0e-18, 1.0e-18, 1.0e-18, 0.0]);

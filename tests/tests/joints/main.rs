@@ -4,7 +4,6 @@ mod api;
 mod bits;
 mod drives;
 mod iterative;
-mod leapfrog;
 mod limits;
 mod meeting;
 mod partners;

@@ -7,7 +7,6 @@ use super::factor::Matrix;
 use super::solve::{NUDGE_MAX, Push, curvature, take_along, warm};
 use super::{BoundRow, JointLink, LockRow, follow};
 use crate::lanes::{Lane, LaneVec};
-use crate::pipeline::leapfrog::lanes_of;
 use crate::pipeline::seat::Seat;
 
 /// Fastest turn by a nudge, rad/s.
@@ -30,8 +29,6 @@ enum Ask {
     Relaxed,
     /// Nudges.
     Nudge,
-    /// The velocities after the rest of a push, by impulses that count or do not.
-    Leap { counts: bool },
 }
 
 impl Articulation<'_> {
@@ -58,11 +55,6 @@ impl Articulation<'_> {
                 self.relax(sweep, seats);
             }
             Pass::RelaxAgain => self.relax(sweep, seats),
-            Pass::Leap { counts } => {
-                if self.links.iter().any(|link| link.leaps != 0) {
-                    self.hold(sweep, seats, Ask::Leap { counts });
-                }
-            }
             Pass::Bounce => {}
         }
     }
@@ -187,10 +179,6 @@ impl Articulation<'_> {
                 continue;
             }
             for (row, x) in own.iter_mut().zip(answers) {
-                if let Ask::Leap { counts } = ask {
-                    row.leap(&mut u, lanes_of(link.leaps).keep(x), counts);
-                    continue;
-                }
                 let x = row.add(x);
                 if ask == Ask::Biased {
                     row.ways.apply(&mut u, x);
