@@ -30,7 +30,6 @@ pub(crate) mod seat;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod solver;
-pub(crate) mod spread;
 pub(crate) mod stiffening;
 pub(crate) mod tasks;
 

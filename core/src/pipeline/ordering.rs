@@ -12,7 +12,7 @@ use crate::pipeline::articulations::ArticulationRow;
 use crate::pipeline::contacts::Change;
 use crate::pipeline::layout::{self, Plan, REFINED_KIND, TIERS};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{articulations, balls, refine, spread};
+use crate::pipeline::{articulations, balls, refine};
 use crate::state::{
     ALL_LOOSE, Cache, CacheHeader, ContactRow, ORDERING_FITS, ORDERING_UNCHECKED, Scratch, State, Touch,
 };
@@ -45,10 +45,6 @@ pub(crate) fn run<S: Scheduler>(
     let mut blocks = schedule(cache, scratch, (links.bodies, count), scheduler);
     if refined > 0 && !is_own {
         blocks = split_blocks(state, scratch, blocks);
-    }
-    if is_own {
-        let (contacts, blocks) = (links.contacts as u32, &scratch.blocks[..blocks]);
-        spread::run(scratch.order, blocks, (scratch.links, contacts), scratch.body_rows);
     }
     let plan = lay_out(state, (cache, scratch), (links, blocks), refined);
     cache.refined.fill(0);
@@ -294,7 +290,6 @@ fn lay_out(
         phase_seats: scratch.phase_seats,
         first_seats: cache.first_seats,
         block_chains: scratch.block_chains,
-        body_rows: scratch.body_rows,
     };
     layout::lay_out(&schedule, &mut tables)
 }

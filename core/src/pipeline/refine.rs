@@ -7,7 +7,8 @@
 //! is the substeps of all.
 //!
 //! An island that stands at rest when it begins, as one that is just built, has no loads yet to tell, and nothing
-//! to start its solve from: such a one is refined at once, until its loads say otherwise. An overhang within 1 %
+//! to start its solve from: such a one is refined at once, if a
+//! stack of so many bodies would sink, until its loads say otherwise. An overhang within 1 %
 //! of balance falls in its first second without that.
 //!
 //! Which bodies are refined is state. It is looked at every few steps, and whenever something refined touches
@@ -17,7 +18,7 @@ use crate::body::BodyRow;
 use crate::cells::{IMMOVABLE, Link, UNORDERED};
 use crate::config::{COARSEN_STEPS, REFINE_CONTACTS, REFINE_STEPS, STATIC_STIFFNESS, Settings};
 use crate::joint::AxisRow;
-use crate::math::PI;
+use crate::math::{PI, length};
 use crate::pipeline::layout::{REFINED, TIERS};
 use crate::pipeline::sleep::{root, unite};
 use crate::pool::{is_used, iterate};
@@ -74,7 +75,8 @@ pub(crate) fn run(
     }
     unite_all(state, scratch, (contacts, held));
     let stays = !state.header[0].step.is_multiple_of(COARSEN_STEPS);
-    let any = decide(state, scratch, (if substeps == 0 { 0 } else { settings.refine_bodies }, stays));
+    let most = if substeps == 0 { 0 } else { settings.refine_bodies };
+    let any = decide(state, scratch, (most, stays, bodies_that_sink(settings)));
     let lengths = [settings.substeps, if substeps == 0 { before } else { substeps }];
     rescale(state, scratch, lengths, (contacts, held));
     for slot in iterate(state.body_used, high as u32) {
@@ -159,9 +161,18 @@ fn unite_all(state: &State<'_>, scratch: &mut Scratch<'_>, (contacts, held): (us
     }
 }
 
+/// How many bodies have to stand on one another for the lowest to sink by half of what refinement allows: for
+/// islands of which no load is known yet.
+fn bodies_that_sink(settings: &Settings) -> f32 {
+    let w = 2.0 * PI * settings.frequency();
+    // F / (m* w^2), the effective mass of two equal ones being half of one.
+    let each = 2.0 * length(settings.gravity) / (w * w);
+    if each > 0.0 { 0.5 * settings.refine_sink / each } else { f32::MAX }
+}
+
 /// Marks the bodies whose tier changes: islands of so many bodies at most are refined, and those that are stay so
-/// if `stays`. True when some body is refined from now on.
-fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, bool)) -> bool {
+/// if `stays`; those that begin if they have as many as sink. True when some body is refined from now on.
+fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays, enough): (u32, bool, f32)) -> bool {
     let high = state.header[0].bodies.high;
     let is_active = |slot: u32| state.bodies[slot as usize].is_active();
     for slot in iterate(state.body_used, high).filter(|&slot| is_active(slot)) {
@@ -179,9 +190,10 @@ fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, b
             let root = root(scratch.islands, slot) as usize;
             let marks = scratch.marks[root];
             let still = marks & WAS_REFINED != 0 && (stays || marks & STILL_SINKS != 0);
-            let begins = marks & (BEGINS | WENT_ON) == BEGINS;
+            let size = scratch.island_sizes[root];
+            let begins = marks & (BEGINS | WENT_ON) == BEGINS && size as f32 >= enough;
             let sinks = marks & SINKS != 0 || still || begins;
-            sinks && scratch.island_sizes[root] <= bodies
+            sinks && size <= bodies
         } else {
             was && bodies > 0 && state.bodies[slot as usize].is_dynamic()
         };
