@@ -6,19 +6,14 @@
 //! substeps, and contacts that are stiffer by the square of it. Large islands stay as they are: for those the dial
 //! is the substeps of all.
 //!
-//! An island that stands at rest when it begins, as one that is just built, has no loads yet to tell, and nothing
-//! to start its solve from: such a one is refined at once, if a
-//! stack of so many bodies would sink, until its loads say otherwise. An overhang within 1 %
-//! of balance falls in its first second without that.
-//!
 //! Which bodies are refined is state. It is looked at every few steps, and whenever something refined touches
 //! something that is not: an island has one tier. Impulses are those of a substep, and go along with its length.
 
 use crate::body::BodyRow;
-use crate::cells::{IMMOVABLE, Link, UNORDERED};
+use crate::cells::{IMMOVABLE, Link};
 use crate::config::{COARSEN_STEPS, REFINE_CONTACTS, REFINE_STEPS, STATIC_STIFFNESS, Settings};
 use crate::joint::AxisRow;
-use crate::math::{PI, length};
+use crate::math::PI;
 use crate::pipeline::layout::{REFINED, TIERS};
 use crate::pipeline::sleep::{root, unite};
 use crate::pool::{is_used, iterate};
@@ -32,12 +27,6 @@ const STILL_SINKS: u8 = 2;
 const WAS_REFINED: u8 = 4;
 /// Of a body: its tier changes.
 const CHANGES: u8 = 8;
-/// Of islands: a body rests on another since this step.
-const BEGINS: u8 = 16;
-/// One of the contacts was there before, or one of the bodies moves.
-const WENT_ON: u8 = 32;
-/// Linear and angular speed up to which a body is at rest, m/s and rad/s.
-const REST_SPEED: f32 = 0.01;
 
 /// The tier of a dynamic body.
 #[inline]
@@ -75,8 +64,7 @@ pub(crate) fn run(
     }
     unite_all(state, scratch, (contacts, held));
     let stays = !state.header[0].step.is_multiple_of(COARSEN_STEPS);
-    let most = if substeps == 0 { 0 } else { settings.refine_bodies };
-    let any = decide(state, scratch, (most, stays, bodies_that_sink(settings)));
+    let any = decide(state, scratch, (if substeps == 0 { 0 } else { settings.refine_bodies }, stays));
     let lengths = [settings.substeps, if substeps == 0 { before } else { substeps }];
     rescale(state, scratch, lengths, (contacts, held));
     for slot in iterate(state.body_used, high as u32) {
@@ -109,13 +97,6 @@ fn mark_loads(
     let mut any = false;
     for (row, link) in state.contacts[..contacts].iter().zip(&*scratch.slot_links) {
         let impulse = normal_impulse(row);
-        if row.tag.phase() == UNORDERED && impulse == 0.0 {
-            let begins = link.b != IMMOVABLE && at_rest(state, link.a) && at_rest(state, link.b);
-            scratch.marks[link.a as usize] |= if begins { BEGINS } else { 0 };
-            any |= begins;
-        } else {
-            scratch.marks[link.a as usize] |= WENT_ON;
-        }
         if impulse == 0.0 {
             continue;
         }
@@ -136,13 +117,6 @@ fn mark_loads(
     any
 }
 
-/// True for a body that does not move.
-fn at_rest(state: &State<'_>, slot: u32) -> bool {
-    let motion = &state.motions[slot as usize];
-    let limit = REST_SPEED * REST_SPEED;
-    motion.linear.dot(motion.linear) <= limit && motion.angular.dot(motion.angular) <= limit
-}
-
 /// Sum over the points, N s.
 fn normal_impulse(row: &ContactRow) -> f32 {
     row.impulses[..row.tag.points()].iter().fold(0.0, |sum, impulse| sum + impulse)
@@ -161,23 +135,13 @@ fn unite_all(state: &State<'_>, scratch: &mut Scratch<'_>, (contacts, held): (us
     }
 }
 
-/// How many bodies have to stand on one another for the lowest to sink by half of what refinement allows: for
-/// islands of which no load is known yet.
-fn bodies_that_sink(settings: &Settings) -> f32 {
-    let w = 2.0 * PI * settings.frequency();
-    // F / (m* w^2), the effective mass of two equal ones being half of one.
-    let each = 2.0 * length(settings.gravity) / (w * w);
-    if each > 0.0 { 0.5 * settings.refine_sink / each } else { f32::MAX }
-}
-
 /// Marks the bodies whose tier changes: islands of so many bodies at most are refined, and those that are stay so
-/// if `stays`; those that begin if they have as many as sink. True when some body is refined from now on.
-fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays, enough): (u32, bool, f32)) -> bool {
+/// if `stays`. True when some body is refined from now on.
+fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, bool)) -> bool {
     let high = state.header[0].bodies.high;
     let is_active = |slot: u32| state.bodies[slot as usize].is_active();
     for slot in iterate(state.body_used, high).filter(|&slot| is_active(slot)) {
         let own = if tier_of(state, slot) == REFINED { WAS_REFINED } else { 0 };
-        let own = own | if at_rest(state, slot) { 0 } else { WENT_ON };
         let root = root(scratch.islands, slot) as usize;
         scratch.marks[root] |= scratch.marks[slot as usize] | own;
         scratch.island_sizes[root] += 1;
@@ -190,10 +154,8 @@ fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays, enough):
             let root = root(scratch.islands, slot) as usize;
             let marks = scratch.marks[root];
             let still = marks & WAS_REFINED != 0 && (stays || marks & STILL_SINKS != 0);
-            let size = scratch.island_sizes[root];
-            let begins = marks & (BEGINS | WENT_ON) == BEGINS && size as f32 >= enough;
-            let sinks = marks & SINKS != 0 || still || begins;
-            sinks && size <= bodies
+            let sinks = marks & SINKS != 0 || still;
+            sinks && scratch.island_sizes[root] <= bodies
         } else {
             was && bodies > 0 && state.bodies[slot as usize].is_dynamic()
         };
