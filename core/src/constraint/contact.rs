@@ -20,7 +20,7 @@ use super::velocities::{Velocities, motions};
 use crate::lanes::{Lane, LaneVec};
 use crate::pipeline::seat::Seat;
 use bounce::{bounce, forget_blows, record_bounces};
-pub(crate) use cones::{step_of, yields_of};
+pub(crate) use cones::{into_disc, step_of, yields_of};
 pub(crate) use residual::measure;
 use shift::Shift;
 

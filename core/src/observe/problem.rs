@@ -59,9 +59,8 @@ pub enum ProblemKind {
         friction: f32,
     },
     /// The first of two tangents of a point, which follow one another: both impulses lie within a disc of
-    /// `friction`
-    /// times the normal impulse of point `point` of the contact, whose [`ProblemKind::Normal`] comes after all of
-    /// these. The two models of [`FrictionModel`](crate::FrictionModel) do not mix: a contact has a `Tangent` or
+    /// `friction` times the normal impulse of point `point` of the contact, whose [`ProblemKind::Normal`] comes
+    /// after all of these. The two models of [`FrictionModel`](crate::FrictionModel) do not mix: a contact has a `Tangent` or
     /// these.
     PointTangent {
         /// Coefficient of friction.

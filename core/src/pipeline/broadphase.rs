@@ -16,7 +16,7 @@ use crate::pipeline::meeting::{frame_words, reach_radius};
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
-use crate::shape::{BOX_STALE, GEOMETRY_BOX, ShapeRow};
+use crate::shape::{BOX_STALE, ShapeRow};
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Reach, Scratch, State};
 
 /// Marks a shape that left its box, or was changed.
@@ -187,10 +187,7 @@ fn reach_of(
         return Bounds { swept: shape.fat_box, reach: shape.fat_box };
     }
     let pose = Pose::new(local.position + motion.center.offset, local.rotation);
-    let tight = match shape.kind {
-        GEOMETRY_BOX => Aabb::around(pose.position, pose.rotation.extents(Vec3::from_array(shape.size))),
-        _ => crate::collide::bounds::aabb(&solid(shape, assets), &pose),
-    };
+    let tight = crate::collide::bounds::aabb(&solid(shape, assets), &pose);
     // The box reaches as far as contacts are looked for: over the coming step's path and the speculative distance.
     let path = if is_static { Vec3::ZERO } else { motion.linear * dt };
     let swept = tight.union(&Aabb { min: tight.min + path, max: tight.max + path });

@@ -1,8 +1,7 @@
 //! Friction with a cone for each point: `|lambda_t| <= mu lambda_n`, point by point.
 //!
 //! The points of a contact lie in its plane, and what slides on a plane moves as a rigid body there. So the rates
-//! of
-//! a point at `(p, q)` along the tangents follow from those of the patch at its middle, `x`, `y` and the twist `z`,
+//! of a point at `(p, q)` along the tangents follow from those of the patch at its middle, `x`, `y` and the twist `z`,
 //! and its impulses add up to those of the patch:
 //! ```text
 //! rates     x - q z,  y + p z
@@ -17,7 +16,7 @@
 use super::{Friction, Shift};
 use crate::constraint::row::{ConeRow, LinkRow, PointRow};
 use crate::constraint::velocities::Velocities;
-use crate::lanes::{Lane, LaneVec};
+use crate::lanes::{Lane, LaneVec, Mask};
 
 /// What the points of a row are bounded by and move by, with the arms of now.
 pub(super) struct Rates {
@@ -115,6 +114,16 @@ pub(crate) fn step_of(yields: &[Lane; 6], [p, q]: [Lane; 2]) -> Lane {
     moves.keep(one / moves.select(most, one))
 }
 
+/// Brings an impulse into a disc, along its radius; and where it was outside.
+#[inline(always)]
+pub(crate) fn into_disc([x, y]: [Lane; 2], limit: Lane) -> ([Lane; 2], Mask) {
+    let one = Lane::splat(1.0);
+    let square = x * x + y * y;
+    let outside = square.greater(limit * limit);
+    let scale = outside.select(limit / outside.select(square.sqrt(), one), one);
+    ([x * scale, y * scale], outside)
+}
+
 impl Friction for ConeRow {
     /// One point after the other; the bodies get the sum.
     #[inline(always)]
@@ -126,17 +135,13 @@ impl Friction for ConeRow {
         motion: (&Shift, bool),
     ) -> LaneVec {
         let mut rates = Rates::new(u, row, self, motion);
-        let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
-        let mut sum = [zero; 3];
+        let mut sum = [Lane::ZERO; 3];
         for (i, point) in points.iter().enumerate() {
             let ([p, q], [was_x, was_y]) = (self.places[i], self.impulses[i]);
             let ([rate_x, rate_y], mass) = (rates.at([p, q]), rates.step(self, i, motion.0));
             let limit = row.friction * point.impulse;
-            let (x, y) = (was_x - mass * rate_x, was_y - mass * rate_y);
-            let square = x * x + y * y;
-            let outside = square.greater(limit * limit);
-            let scale = outside.select(limit / outside.select(square.sqrt(), one), one);
-            let (x, y) = ((x * scale).finite().flushed(), (y * scale).finite().flushed());
+            let (wanted, _) = into_disc([was_x - mass * rate_x, was_y - mass * rate_y], limit);
+            let [x, y] = wanted.map(|impulse| impulse.finite().flushed());
             let (dx, dy) = (x - was_x, y - was_y);
             rates.push([dx, dy, p * dy - q * dx]);
             self.impulses[i] = [x, y];

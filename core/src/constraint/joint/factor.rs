@@ -53,20 +53,26 @@ const fn at(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
+/// Calls a method that is compiled for each size of a node, so that its inner loops have no ends to test.
+macro_rules! sized {
+    ($size:expr, $matrix:ident.$method:ident($($argument:expr),*)) => {
+        match $size {
+            1 => $matrix.$method::<1>($($argument),*),
+            2 => $matrix.$method::<2>($($argument),*),
+            3 => $matrix.$method::<3>($($argument),*),
+            4 => $matrix.$method::<4>($($argument),*),
+            5 => $matrix.$method::<5>($($argument),*),
+            _ => $matrix.$method::<6>($($argument),*),
+        }
+    };
+}
+
 impl Matrix<'_> {
     /// Factors the matrix of joints whose rows are placed.
     pub fn factor(&mut self, links: &[JointLink], locks: &[LockRow]) {
         self.fill(links, locks);
         for (i, spec) in self.pattern.nodes.iter().enumerate() {
-            // Compiled for each size, so that inner loops have no ends to test.
-            match spec.size {
-                1 => self.take_out::<1>(i, spec),
-                2 => self.take_out::<2>(i, spec),
-                3 => self.take_out::<3>(i, spec),
-                4 => self.take_out::<4>(i, spec),
-                5 => self.take_out::<5>(i, spec),
-                _ => self.take_out::<6>(i, spec),
-            }
+            sized!(spec.size, self.take_out(i, spec));
         }
     }
 
@@ -167,24 +173,10 @@ impl Matrix<'_> {
     /// Solves for the sides of the nodes.
     pub fn solve(&mut self) {
         for (i, spec) in self.pattern.nodes.iter().enumerate() {
-            match spec.size {
-                1 => self.descend::<1>(i, spec),
-                2 => self.descend::<2>(i, spec),
-                3 => self.descend::<3>(i, spec),
-                4 => self.descend::<4>(i, spec),
-                5 => self.descend::<5>(i, spec),
-                _ => self.descend::<6>(i, spec),
-            }
+            sized!(spec.size, self.descend(i, spec));
         }
         for (i, spec) in self.pattern.nodes.iter().enumerate().rev() {
-            match spec.size {
-                1 => self.ascend::<1>(i, spec),
-                2 => self.ascend::<2>(i, spec),
-                3 => self.ascend::<3>(i, spec),
-                4 => self.ascend::<4>(i, spec),
-                5 => self.ascend::<5>(i, spec),
-                _ => self.ascend::<6>(i, spec),
-            }
+            sized!(spec.size, self.ascend(i, spec));
         }
     }
 

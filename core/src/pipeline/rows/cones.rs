@@ -1,7 +1,7 @@
 //! Cones of the points of a row, and the patch's stored impulse dealt to them.
 
 use super::{Patch, Placed, Sides, inverse};
-use crate::constraint::contact::{step_of, yields_of};
+use crate::constraint::contact::{into_disc, step_of, yields_of};
 use crate::constraint::row::{ConeRow, LinkRow, PointRow};
 use crate::lanes::Lane;
 use bytemuck::Zeroable;
@@ -111,12 +111,9 @@ fn deal(row: &mut LinkRow, cones: &mut ConeRow, points: &[PointRow]) {
     }
     for round in 0..=ROUNDS {
         let mut cut = Lane::ZERO;
-        for (point, [x, y]) in points.iter().zip(&mut dealt) {
-            let limit = row.friction * point.impulse;
-            let square = *x * *x + *y * *y;
-            let outside = square.greater(limit * limit);
-            let scale = outside.select(limit / outside.select(square.sqrt(), one), one);
-            (*x, *y) = ((*x * scale).finite(), (*y * scale).finite());
+        for (point, dealt) in points.iter().zip(&mut dealt) {
+            let (borne, outside) = into_disc(*dealt, row.friction * point.impulse);
+            *dealt = borne.map(Lane::finite);
             cut = outside.select(one, cut);
         }
         let cut = cut.greater(Lane::ZERO);
