@@ -60,8 +60,8 @@ pub enum ProblemKind {
     },
     /// The first of two tangents of a point, which follow one another: both impulses lie within a disc of
     /// `friction` times the normal impulse of point `point` of the contact, whose [`ProblemKind::Normal`] comes
-    /// after all of these. The two models of [`FrictionModel`](crate::FrictionModel) do not mix: a contact has a `Tangent` or
-    /// these.
+    /// after all of these. The two models of [`FrictionModel`](crate::FrictionModel) do not mix: a contact has a
+    /// `Tangent` or these.
     PointTangent {
         /// Coefficient of friction.
         friction: f32,

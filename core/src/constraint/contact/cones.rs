@@ -1,8 +1,8 @@
 //! Friction with a cone for each point: `|lambda_t| <= mu lambda_n`, point by point.
 //!
 //! The points of a contact lie in its plane, and what slides on a plane moves as a rigid body there. So the rates
-//! of a point at `(p, q)` along the tangents follow from those of the patch at its middle, `x`, `y` and the twist `z`,
-//! and its impulses add up to those of the patch:
+//! of a point at `(p, q)` along the tangents follow from those of the patch at its middle, `x`, `y` and the twist
+//! `z`, and its impulses add up to those of the patch:
 //! ```text
 //! rates     x - q z,  y + p z
 //! impulses  x,        y,        p y - q x
