@@ -37,6 +37,10 @@ pub(crate) enum Pass {
     RelaxAgain,
     /// Follows the bodies' motion only.
     Follow,
+    /// Solves velocities of the joints that leap, after the rest of their push: see `pipeline/leapfrog.rs`. The
+    /// impulses `count` where the substep is the step, and so began with half a push; else they are those of a
+    /// whole push already.
+    Leap { counts: bool },
     /// Gives bouncing points their speed.
     Bounce,
 }

@@ -1,7 +1,8 @@
 //! The solve (the talk's fourth stage): sweeps over the phases, one barrier after each.
 //!
 //! ```text
-//! step    = first push + warm sweep, then substeps, then a bounce sweep if something bounces
+//! step    = first push + warm sweep, then substeps, then the last push of joints that leap and a bounce sweep, if
+//!           something leaps or bounces
 //! substep = biased sweeps (phase 0 of the first pushes velocities), relax sweeps (phase 0 of the first moves)
 //! ```
 //! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind.
@@ -102,6 +103,8 @@ enum Motion {
     PushAgain,
     /// Positions.
     Advance,
+    /// The rest of the push of bodies that leap.
+    PushLast,
 }
 
 /// A group at work.
@@ -242,6 +245,10 @@ fn solve_tier<E: Executor>(
             run_sweep((rows, tier), &relax, Motion::None, crew);
         }
     }
+    if rows.groups.iter().any(|group| group.leaps != 0 && group.tier as usize == index) {
+        let counts = settings.substeps == 1;
+        run_sweep((rows, tier), &sweeps.of(Pass::Leap { counts }, 1), Motion::PushLast, crew);
+    }
     if let Some(residuals) = solved.residuals.as_mut().filter(|_| relax_sweeps > 0) {
         let left = measure((rows, tier), &sweeps.of(Pass::RelaxAgain, 1), crew);
         residuals.last = residuals.last.with(&left);
@@ -363,6 +370,7 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
             match motion {
                 Motion::PushFirst => mover.push_first(seats),
                 Motion::PushAgain => mover.push_again(seats, sweep.nudges),
+                Motion::PushLast => mover.push_last(seats, sweep.substep),
                 Motion::Advance => mover.advance(seats, sweep.substep, sweep.nudges),
                 Motion::None => {}
             }
@@ -387,5 +395,7 @@ fn sweep_rows(task: &mut Task<'_>, sweep: &Sweep) {
     } else {
         task.patterns.each(task.joints.reborrow(), |articulation| articulation.visit(sweep, seats));
     }
-    contact::visit(sweep, (task.links, task.resists, task.cones), task.points, task.seats);
+    if !matches!(sweep.pass, Pass::Leap { .. }) {
+        contact::visit(sweep, (task.links, task.resists, task.cones), task.points, task.seats);
+    }
 }
