@@ -120,7 +120,7 @@ impl Velocities {
         [self.va, self.wa, self.vb, self.wb]
     }
 
-    /// Takes `before` again in all lanes but some, to the last bit: an impulse of 0 could change the sign of a zero.
+    /// Takes `before` again in all lanes but some, to the last bit: an impulse of 0 can change the sign of a zero.
     #[inline(always)]
     pub fn keep(&mut self, lanes: Mask, [va, wa, vb, wb]: [LaneVec; 4]) {
         self.va = lanes.select_vec(self.va, va);

@@ -125,15 +125,15 @@ pub(crate) fn prepare_bodies<E: Executor>(
             if has_joints(state.first_joints, active.body) {
                 active.stiffening = stiffening::stiffening(state, active.body, substep);
                 active.angular = stiffening::eased(active, row, (principal, motion.angular));
+                let lag = leapfrog::lag(marks, active.body);
+                if lag != 0.0 {
+                    active.linear += gravity * (row.gravity_scale * lag * substep);
+                }
             }
             (active.root, active.whitened) =
                 root_and_whitened(principal, active.inertia(row), locks >> 3, active.angular);
             active.inverse_mass = 1.0 / row.mass;
             active.locks = f32::from(locks & 7);
-            let lag = leapfrog::lag(marks, active.body);
-            if lag != 0.0 {
-                active.linear += gravity * (row.gravity_scale * lag * substep);
-            }
             let push = (gravity * row.gravity_scale + row.force / row.mass) * substep;
             let free = |axis: usize| if locks >> axis & 1 == 1 { 0.0 } else { push[axis] };
             active.push = Vec3::new(free(0), free(1), free(2));

@@ -8,7 +8,15 @@
 //!
 //! That needs rows that a visit solves exactly, whatever the impulses were before. So a body *leaps* when its
 //! joints are of one articulation, or it has one joint; when all of those hold rigidly and nothing of them has
-//! bounds; and when no body of them touches anything. The others fall and bounce as their closed forms say.
+//! bounds; and when no body of them has a contact in this step. The others fall and bounce as their closed forms
+//! say.
+//!
+//! Places are the same in both schemes: the velocities that a step leaves are those of its end where bodies leap,
+//! and of half a substep before it where they do not. So the joints note which they are ([`LEAPT`], [`LAGS`]), and
+//! who begins to leap starts its step with half of gravity's push more, who ends with half less. What leaps by
+//! turns then moves as if it never did, and bounces or flicker pump no energy: with velocities taken as they are,
+//! each blow on a floor would give half a push on the way in and another on the way out. Forces of the user act for
+//! a step and are not moved to another, so that what was given is what arrives.
 
 use crate::cells::{IMMOVABLE, Link};
 use crate::config::Settings;
@@ -22,7 +30,9 @@ use crate::state::{Cache, Scratch, State};
 const HELD_BACK: u32 = 1 << 31;
 const ARTICULATED: u32 = 1 << 30;
 const LEAPS: u32 = 1 << 29;
+/// The velocity is that of the end of the last step.
 const WAS_EVEN: u32 = 1 << 28;
+/// It is half a push behind.
 const WAS_BEHIND: u32 = 1 << 27;
 
 /// Marks the bodies that leap, by slot: see [`leaps`], and notes in the joints whether they do. The links of the
@@ -65,7 +75,8 @@ pub(crate) fn mark(
     }
     for (link, &slot) in joints.iter().zip(&*scratch.joint_slots) {
         let joint = &mut state.joints[slot as usize];
-        let before = if joint.has(LEAPT) { WAS_EVEN } else { 0 } | if joint.has(LAGS) { WAS_BEHIND } else { 0 };
+        let before =
+            if joint.has(LEAPT) { WAS_EVEN } else { 0 } | if joint.has(LAGS) { WAS_BEHIND } else { 0 };
         let mut leaps = false;
         for body in ends(link) {
             marks[body] |= before;

@@ -105,12 +105,7 @@ impl MoverRow {
         }
     }
 
-    fn enter_velocity(
-        &mut self,
-        lane: usize,
-        (active, row): (&Active, &BodyRow),
-        substep: f32,
-    ) {
+    fn enter_velocity(&mut self, lane: usize, (active, row): (&Active, &BodyRow), substep: f32) {
         let locks = active.locks as u32;
         let free = |axis: u32, x: f32| if locks >> axis & 1 == 1 { 0.0 } else { x };
         let velocity =

@@ -3,8 +3,8 @@
 use cellstep::joint::axis::TURN_X;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
-    Axis, BodyDef, BodyHandle, BodyKind, Executor, Geometry, JointDef, JointHandle, Pool, Serial,
-    Settings, ShapeDef,
+    Axis, BodyDef, BodyHandle, BodyKind, Executor, Geometry, JointDef, JointHandle, Pool, Serial, Settings,
+    ShapeDef,
 };
 use cellstep_tests::jointed::{Bar, about_y, at, ball, energy, force, jointed, massive, weightless};
 use cellstep_tests::oracles::{GRAVITY, center, mass, momenta, norm, velocity};
@@ -192,7 +192,9 @@ fn leaping_by_turns_gives_no_energy() {
             world.set_joint(joints[0], &leaps).expect("valid");
             run(&mut world, 1);
             let change = total(&world, &bodies) - start;
-            println!("hinge: {is_hinge}, {substeps} substeps: {changes} changes, {change:.4} of {start:.4} J");
+            println!(
+                "hinge: {is_hinge}, {substeps} substeps: {changes} changes, {change:.4} of {start:.4} J"
+            );
             assert!(changes > 40 && change.abs() < 0.02 * start.abs(), "{changes} changes: {change} J");
         }
     }
