@@ -263,7 +263,7 @@ pub(crate) fn visit(
         locks = rest;
         let (own_bounds, rest) = core::mem::take(&mut bounds).split_at_mut(signature.bound_rows());
         bounds = rest;
-        if link.leaps == 0 && matches!(sweep.pass, Pass::Leap { .. }) {
+        if link.leaps == 0 && matches!(sweep.pass, Pass::Leap | Pass::LeapOnce) {
             continue;
         }
         match own_locks.len() {
@@ -308,7 +308,9 @@ fn visit_link<const N: usize>(
                 locks.iter_mut().zip(means).for_each(|(row, mean)| row.mean = mean);
             }
         }
-        Pass::Leap { counts } => solve::leap(&mut u, (link, locks), counts),
+        Pass::Leap | Pass::LeapOnce => {
+            solve::leap(&mut u, (link, locks), sweep.pass == Pass::LeapOnce);
+        }
         _ => {
             let means: [Push; N] = core::array::from_fn(|i| locks[i].mean);
             solve::relaxed(&mut u, link, (locks, bounds), &means);

@@ -246,8 +246,8 @@ fn solve_tier<E: Executor>(
         }
     }
     if rows.groups.iter().any(|group| group.leaps != 0 && group.tier as usize == index) {
-        let counts = settings.substeps == 1;
-        run_sweep((rows, tier), &sweeps.of(Pass::Leap { counts }, 1), Motion::PushLast, crew);
+        let pass = if settings.substeps == 1 { Pass::LeapOnce } else { Pass::Leap };
+        run_sweep((rows, tier), &sweeps.of(pass, 1), Motion::PushLast, crew);
     }
     if let Some(residuals) = solved.residuals.as_mut().filter(|_| relax_sweeps > 0) {
         let left = measure((rows, tier), &sweeps.of(Pass::RelaxAgain, 1), crew);
@@ -395,7 +395,7 @@ fn sweep_rows(task: &mut Task<'_>, sweep: &Sweep) {
     } else {
         task.patterns.each(task.joints.reborrow(), |articulation| articulation.visit(sweep, seats));
     }
-    if !matches!(sweep.pass, Pass::Leap { .. }) {
+    if !matches!(sweep.pass, Pass::Leap | Pass::LeapOnce) {
         contact::visit(sweep, (task.links, task.resists, task.cones), task.points, task.seats);
     }
 }

@@ -58,9 +58,9 @@ impl Articulation<'_> {
                 self.relax(sweep, seats);
             }
             Pass::RelaxAgain => self.relax(sweep, seats),
-            Pass::Leap { counts } => {
+            Pass::Leap | Pass::LeapOnce => {
                 if self.links.iter().any(|link| link.leaps != 0) {
-                    self.hold(sweep, seats, Ask::Leap { counts });
+                    self.hold(sweep, seats, Ask::Leap { counts: sweep.pass == Pass::LeapOnce });
                 }
             }
             Pass::Bounce => {}

@@ -63,7 +63,8 @@ impl BallRow {
             Pass::Follow => rows.iter_mut().for_each(|row| row.follow_only(seats)),
             Pass::Relax => rows.iter_mut().for_each(|row| row.relax(seats, true)),
             Pass::RelaxAgain => rows.iter_mut().for_each(|row| row.relax(seats, false)),
-            Pass::Leap { counts } => {
+            Pass::Leap | Pass::LeapOnce => {
+                let counts = sweep.pass == Pass::LeapOnce;
                 rows.iter_mut().filter(|row| row.leaps != 0).for_each(|row| row.leap(seats, counts));
             }
             Pass::Bounce => {}
