@@ -161,10 +161,10 @@ fn blows_between_give_no_energy() {
                     "{rods} rods, {place}, e {restitution}, {substeps} substeps: {turns} turns, {start:.4} J, at \
                      most {most:.4} J, {end:.4} J at the end"
                 );
-                assert!(
-                    turns > 0 && most - start < 1.0e-3 * start.abs(),
-                    "{turns} turns, {start} to {most} J"
-                );
+                // What touches has the velocities of half a substep before: at most 1 m/s down, by half a push.
+                let behind = rods as f64 * 0.5 * GRAVITY / f64::from(60 * substeps);
+                assert!(turns > 0 && most < start + behind, "{turns} turns, {start} to {most} J");
+                assert!(end < start + 1.0e-3 * start.abs(), "{start} to {end} J");
                 if place.x != 0.0 && restitution == 1.0 {
                     assert!(
                         turns > 40 && start - end < 1.0e-2 * start.abs(),
