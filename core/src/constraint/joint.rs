@@ -188,6 +188,7 @@ pub(crate) struct Ways {
 
 impl JointLink {
     /// The row whose impulse acts on B along `direction` with the torque `b`, and on A against it with `a`.
+    #[inline(always)]
     fn ways(&self, direction: LaneVec, (a, b): (LaneVec, LaneVec), drift: Lane) -> Ways {
         let write = (root_times(&self.root_a, a), root_times(&self.root_b, b));
         let mut read = write;
@@ -263,7 +264,8 @@ pub(crate) fn visit(
         locks = rest;
         let (own_bounds, rest) = core::mem::take(&mut bounds).split_at_mut(signature.bound_rows());
         bounds = rest;
-        if link.leaps == 0 && matches!(sweep.pass, Pass::Leap | Pass::LeapOnce) {
+        let only_leaps = matches!(sweep.pass, Pass::Leap | Pass::LeapOnce);
+        if sweep.ends && !signature.counts_on() || only_leaps && link.leaps == 0 {
             continue;
         }
         match own_locks.len() {
