@@ -142,6 +142,7 @@ fn sweep() -> Sweep {
         nudges: false,
         splits: false,
         relaxes_again: false,
+        ends: false,
         restitution_threshold: f32::MAX,
     }
 }

@@ -56,6 +56,8 @@ pub(crate) struct Sweep {
     pub splits: bool,
     /// True when the substep has more than one relax sweep of a row.
     pub relaxes_again: bool,
+    /// True when no joint is visited any more in this step: those that only hold need not follow their bodies.
+    pub ends: bool,
     /// Approach below which nothing bounces, m/s.
     pub restitution_threshold: f32,
 }

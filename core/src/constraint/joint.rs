@@ -186,6 +186,7 @@ pub(crate) struct Ways {
 
 impl JointLink {
     /// The row whose impulse acts on B along `direction` with the torque `b`, and on A against it with `a`.
+    #[inline(always)]
     fn ways(&self, direction: LaneVec, (a, b): (LaneVec, LaneVec), drift: Lane) -> Ways {
         let write = (root_times(&self.root_a, a), root_times(&self.root_b, b));
         let mut read = write;
@@ -261,6 +262,9 @@ pub(crate) fn visit(
         locks = rest;
         let (own_bounds, rest) = core::mem::take(&mut bounds).split_at_mut(signature.bound_rows());
         bounds = rest;
+        if sweep.ends && !signature.counts_on() {
+            continue;
+        }
         match own_locks.len() {
             0 => visit_link::<0>(sweep, link, (own_locks, own_bounds), seats),
             1 => visit_link::<1>(sweep, link, (own_locks, own_bounds), seats),

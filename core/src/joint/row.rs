@@ -499,6 +499,12 @@ impl Signature {
         (self.0 >> 6 & ((1 << 19) - 1)).count_ones() as usize
     }
 
+    /// True when the joint has coordinates that go on from step to step: those of rows with bounds, and how far a
+    /// gear or a rack has slipped.
+    pub fn counts_on(self) -> bool {
+        self.bound_rows() > 0 || self.is_gear() || self.is_rack()
+    }
+
     /// True when a row is about a turn between frames.
     pub fn turns(self) -> bool {
         let axes = self.held() | self.limited() | self.driven() | self.rubbing();

@@ -23,7 +23,6 @@ use crate::pipeline::{Counts, balls, events};
 use crate::pool::is_used;
 use crate::shape::BOX_STALE;
 use crate::state::{Cache, Scratch, State, mark_shapes, principal_rotation};
-use bytemuck::Zeroable;
 
 /// Joints that are worth a task.
 const STORE_JOINTS: usize = 256;
@@ -59,9 +58,10 @@ pub(crate) fn fill(
     let link = &mut take(&mut rows.links, 1)[0];
     let locks = take(&mut rows.locks, signature.lock_rows());
     let bounds = take(&mut rows.bounds, signature.bound_rows());
-    *link = JointLink::zeroed();
-    locks.fill(LockRow::zeroed());
-    bounds.fill(BoundRow::zeroed());
+    // As bytes: a row of zeros would be made elsewhere and copied.
+    bytemuck::bytes_of_mut(link).fill(0);
+    bytemuck::cast_slice_mut::<_, u8>(locks).fill(0);
+    bytemuck::cast_slice_mut::<_, u8>(bounds).fill(0);
     (link.signature, link.at_once) = (signature.0, at_once);
     link.seats_a.copy_from_slice(&seats[..LANES]);
     link.seats_b.copy_from_slice(&seats[LANES..]);
@@ -183,8 +183,12 @@ struct Measure {
 }
 
 impl Measure {
+    /// All 0 for a joint of which no row reads them.
     fn of(link: &JointLink, joint: &View<'_>, lane: usize) -> Self {
         let signature = link.signature();
+        if signature.bound_rows() == 0 && !signature.is_distance() {
+            return Self { shifts: [0.0; 3], turns: [0.0; 3], cone: 0.0 };
+        }
         let gap = link.gap().get(lane);
         let axes = link.axes_a.map(|axis| axis.get(lane));
         let shifts =
@@ -418,10 +422,10 @@ fn measure_wrenches<E: Executor>(
         nodes: &mut scratch.node_rows[..plan.nodes],
         blocks: &mut scratch.block_rows[..plan.matrix_blocks],
     };
-    let mut tasks: Tasks<Task<'_>> = groups
-        .chunks(chunk(groups.len(), 1))
-        .map(|groups| Task { groups, rows: rows.take_all(groups) })
-        .collect();
+    let mut tasks: Tasks<Task<'_>> = Tasks::new();
+    for groups in groups.chunks(chunk(groups.len(), 1)) {
+        push(&mut tasks, Task { groups, rows: rows.take_all(groups) });
+    }
     crew.run(Stage::Finish, &mut tasks, |task| {
         for group in task.groups {
             let rows = task.rows.take(group);

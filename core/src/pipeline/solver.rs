@@ -4,7 +4,8 @@
 //! step    = first push + warm sweep, then substeps, then a bounce sweep if something bounces
 //! substep = biased sweeps (phase 0 of the first pushes velocities), relax sweeps (phase 0 of the first moves)
 //! ```
-//! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind.
+//! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind. Groups of a tier that has one
+//! phase know nothing of each other, and each goes through all sweeps at once: one barrier.
 
 use crate::config::{ContactModel, Settings};
 use crate::constraint::contact::{self, Pass, Sweep};
@@ -168,10 +169,21 @@ pub(crate) fn solve<E: Executor>(rows: &mut Rows<'_>, settings: &Settings, crew:
     solved
 }
 
+/// What is done with the rows of a tier.
+#[derive(Clone, Copy)]
+enum Act {
+    /// Bodies move so first, then all rows are visited.
+    Visit(Motion),
+    /// What is left is measured.
+    Measure,
+}
+
 /// The sweeps of a tier.
 struct Sweeps<'s> {
     settings: &'s Settings,
     nudges: bool,
+    /// A contact may bounce.
+    bounces: bool,
 }
 
 impl Sweeps<'_> {
@@ -185,6 +197,7 @@ impl Sweeps<'_> {
             nudges: self.nudges,
             splits: settings.contact_model == ContactModel::Split,
             relaxes_again: settings.relax_sweeps > 1 || settings.inner_sweeps > 1,
+            ends: false,
             restitution_threshold: settings.restitution_threshold,
         }
     }
@@ -194,24 +207,55 @@ impl Sweeps<'_> {
         if is_last { 1 } else { self.settings.inner_sweeps }
     }
 
+    /// True when some sweep is measured.
+    fn measures(&self) -> bool {
+        self.settings.residual || self.settings.tolerance > 0.0
+    }
+
+    /// The sweeps of a step, one after the other. `act` answers what is left where it is asked to measure.
+    fn run(&self, solved: &mut Solved, mut act: impl FnMut(&Sweep, Act) -> Residual) {
+        let settings = self.settings;
+        let relax_sweeps = settings.relax_sweeps;
+        act(&self.of(Pass::Warm, 1), Act::Visit(Motion::PushFirst));
+        for substep in 0..settings.substeps {
+            let first = if substep == 0 { Motion::None } else { Motion::PushAgain };
+            let asks = settings.residual && substep + 1 == settings.substeps;
+            let (done, left) = self.press((first, asks), &mut act);
+            solved.note(done, (left, asks), settings);
+            let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
+            let sweep = self.of(pass, self.visits(relax_sweeps <= 1));
+            let ends = relax_sweeps == 0 && substep + 1 == settings.substeps;
+            act(&Sweep { ends, ..sweep }, Act::Visit(Motion::Advance));
+            for k in 1..relax_sweeps {
+                act(&self.of(Pass::RelaxAgain, self.visits(k + 1 == relax_sweeps)), Act::Visit(Motion::None));
+            }
+        }
+        if let Some(residuals) = solved.residuals.as_mut().filter(|_| relax_sweeps > 0) {
+            let left = act(&self.of(Pass::RelaxAgain, 1), Act::Measure);
+            residuals.last = residuals.last.with(&left);
+        }
+        if self.bounces {
+            act(&self.of(Pass::Bounce, 1), Act::Visit(Motion::None));
+        }
+    }
+
     /// The biased sweeps of a substep: as many as the settings say, then more until what is left is within the
     /// tolerance. Returns how many there were, and what is left where that is measured.
-    fn press<E: Executor>(
+    fn press(
         &self,
-        (rows, tier): (&mut Rows<'_>, &Tier),
         (first, asks): (Motion, bool),
-        crew: &mut Crew<'_, E>,
+        act: &mut impl FnMut(&Sweep, Act) -> Residual,
     ) -> (u32, Option<Residual>) {
         let Settings { sweeps, sweeps_max, relax_sweeps, tolerance, .. } = *self.settings;
         let mut done = 0;
         loop {
             let biased = self.of(Pass::Biased, self.visits(relax_sweeps == 0 && done + 1 >= sweeps));
-            run_sweep((rows, tier), &biased, if done == 0 { first } else { Motion::None }, crew);
+            act(&biased, Act::Visit(if done == 0 { first } else { Motion::None }));
             done += 1;
             if done < sweeps {
                 continue;
             }
-            let left = (asks || tolerance > 0.0).then(|| measure((rows, tier), &biased, crew));
+            let left = (asks || tolerance > 0.0).then(|| act(&biased, Act::Measure));
             if done >= sweeps_max || !left.is_some_and(|left| exceeds(self.settings, &left)) {
                 return (done, left);
             }
@@ -226,28 +270,31 @@ fn solve_tier<E: Executor>(
     crew: &mut Crew<'_, E>,
 ) {
     let splits = settings.contact_model == ContactModel::Split;
-    let sweeps = Sweeps { settings, nudges: rows.plan.joints > 0 || splits };
-    let relax_sweeps = settings.relax_sweeps;
-    run_sweep((rows, tier), &sweeps.of(Pass::Warm, 1), Motion::PushFirst, crew);
-    for substep in 0..settings.substeps {
-        let first = if substep == 0 { Motion::None } else { Motion::PushAgain };
-        let asks = settings.residual && substep + 1 == settings.substeps;
-        let (done, left) = sweeps.press((rows, tier), (first, asks), crew);
-        solved.note(done, (left, asks), settings);
-        let pass = if relax_sweeps == 0 { Pass::Follow } else { Pass::Relax };
-        let relax = sweeps.of(pass, sweeps.visits(relax_sweeps <= 1));
-        run_sweep((rows, tier), &relax, Motion::Advance, crew);
-        for k in 1..relax_sweeps {
-            let relax = sweeps.of(Pass::RelaxAgain, sweeps.visits(k + 1 == relax_sweeps));
-            run_sweep((rows, tier), &relax, Motion::None, crew);
+    let bounces = rows.groups.iter().any(|group| group.bounces != 0 && group.tier as usize == index);
+    let sweeps = Sweeps { settings, nudges: rows.plan.joints > 0 || splits, bounces };
+    match tier.phases() {
+        // No group knows another: each goes through all sweeps by itself.
+        [phase] if !sweeps.measures() => {
+            let mut tasks = Tasks::new();
+            let others = cut_phase(rows, phase, &mut tasks);
+            crew.run(Stage::Solve, &mut tasks, |task| {
+                sweeps.run(&mut Solved::default(), |sweep, act| {
+                    if let Act::Visit(motion) = act {
+                        visit(task, sweep, motion, &others);
+                    }
+                    Residual::default()
+                });
+            });
+            // What they did is counted once.
+            sweeps.run(solved, |_, _| Residual::default());
         }
-    }
-    if let Some(residuals) = solved.residuals.as_mut().filter(|_| relax_sweeps > 0) {
-        let left = measure((rows, tier), &sweeps.of(Pass::RelaxAgain, 1), crew);
-        residuals.last = residuals.last.with(&left);
-    }
-    if rows.groups.iter().any(|group| group.bounces != 0 && group.tier as usize == index) {
-        run_sweep((rows, tier), &sweeps.of(Pass::Bounce, 1), Motion::None, crew);
+        _ => sweeps.run(solved, |sweep, act| match act {
+            Act::Visit(motion) => {
+                run_sweep((rows, tier), sweep, motion, crew);
+                Residual::default()
+            }
+            Act::Measure => measure((rows, tier), sweep, crew),
+        }),
     }
 }
 

@@ -152,11 +152,16 @@ pub fn configs(kind: Kind) -> Vec<Config> {
     for substeps in [1, 2, 3, 6, 8] {
         add(format!("{substeps} substeps"), Settings { substeps, ..balanced });
     }
-    // As the peers at their cheapest: what is fast may pass through a wall.
-    add("1 substep, not continuous".to_string(), Settings { substeps: 1, continuous: false, ..balanced });
+    // As the peers at their cheapest: what is fast may pass through a wall, and all bodies have the same substeps.
+    let least = Settings { substeps: 1, continuous: false, refine: 1, ..balanced };
+    add("1 substep, not continuous, 0 relax sweeps".to_string(), Settings { relax_sweeps: 0, ..least });
+    add("1 substep, not continuous".to_string(), least);
+    for substeps in [2, 4] {
+        add(format!("{substeps} substeps, not continuous"), Settings { substeps, ..least });
+    }
     // With so many substeps nothing needs refinement.
     let plain = Settings { refine: 1, ..balanced };
-    for substeps in [16, 32] {
+    for substeps in [16, 32, 64] {
         add(format!("{substeps} substeps"), Settings { substeps, ..plain });
     }
     if kind != Kind::Free {

@@ -86,6 +86,12 @@ impl Articulation<'_> {
         let (mut locks, mut bounds) = (&mut *self.locks, &mut *self.bounds);
         for link in &mut *self.links {
             let (locks, bounds) = cut(link, (&mut locks, &mut bounds));
+            if sweep.ends {
+                if link.signature().counts_on() {
+                    follow::follow(link, (locks, bounds), seats, (substep, link.masses()));
+                }
+                continue;
+            }
             let mut before = [Push::NONE; 6];
             before.iter_mut().zip(&*locks).for_each(|(push, row)| *push = Push::of(&row.ways));
             let axes = (link.far_a, link.far_b);
@@ -98,7 +104,9 @@ impl Articulation<'_> {
                 row.mean = before.mean(&row.ways);
             }
         }
-        self.factor();
+        if !sweep.ends {
+            self.factor();
+        }
     }
 
     /// Solves all locks for what is asked of them, and applies it.

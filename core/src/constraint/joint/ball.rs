@@ -57,6 +57,7 @@ impl BallRow {
         match sweep.pass {
             Pass::Warm => rows.iter_mut().for_each(|row| row.warm(seats)),
             Pass::Biased => rows.iter_mut().for_each(|row| row.press(sweep, seats)),
+            Pass::Follow if sweep.ends => {}
             Pass::Follow => rows.iter_mut().for_each(|row| row.follow_only(seats)),
             Pass::Relax => rows.iter_mut().for_each(|row| row.relax(seats, true)),
             Pass::RelaxAgain => rows.iter_mut().for_each(|row| row.relax(seats, false)),

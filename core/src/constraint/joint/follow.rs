@@ -105,6 +105,7 @@ impl Basis {
     }
 
     /// The row along or about an axis.
+    #[inline(always)]
     fn ways(&self, link: &JointLink, axis: usize) -> Ways {
         if axis < 3 { shift(link, self.shifts[axis]) } else { turn(link, self.turns[axis - 3]) }
     }
