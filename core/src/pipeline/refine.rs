@@ -6,8 +6,8 @@
 //! substeps, and contacts that are stiffer by the square of it. Large islands stay as they are: for those the dial
 //! is the substeps of all.
 //!
-//! An island that begins at rest has no loads yet, and is refined at once if a stack of so many bodies would sink
-//! (`refine/begins.rs`), until its loads say otherwise.
+//! An island that begins at rest has no loads yet, and is refined at once if a stack of as many bodies would stay
+//! so (`refine/begins.rs`), until its loads say otherwise.
 //!
 //! Which bodies are refined is state. It is looked at every few steps, and whenever something refined touches
 //! something that is not: an island has one tier. Impulses are those of a substep, and go along with its length.
@@ -39,6 +39,9 @@ const BEGINS: u8 = 16;
 const STANDS: u8 = 32;
 /// A contact was there before, or a body moves.
 const WENT_ON: u8 = 64;
+
+/// Share of the sink from which on an island is refined for it to stay so.
+const STAYS: f32 = 0.5;
 
 /// The tier of a dynamic body.
 #[inline]
@@ -120,7 +123,7 @@ fn mark_loads(
             b => yields(&state.bodies[link.a as usize]) + yields(&state.bodies[b as usize]),
         };
         let sink = impulse * yields * scales[tier_of(state, link.a)];
-        if sink > 0.5 * settings.refine_sink {
+        if sink > STAYS * settings.refine_sink {
             let enough = sink > settings.refine_sink;
             let lasts = enough && is_used(state.loaded, link.a);
             scratch.loaded_now[link.a as usize / 64] |= u64::from(enough) << (link.a % 64);

@@ -7,7 +7,7 @@
 //! presses nothing: bodies that are let fall are not refined before they lie and bear their loads, and bodies that
 //! stand side by side and wait for a blow bear none.
 
-use super::{BEGINS, STANDS, WENT_ON, normal_impulse};
+use super::{BEGINS, STANDS, STAYS, WENT_ON, normal_impulse};
 use crate::cells::{IMMOVABLE, Link};
 use crate::config::Settings;
 use crate::math::{PI, Vec3, length, min};
@@ -84,12 +84,12 @@ fn is_at_rest(state: &State<'_>, slot: u32) -> bool {
     motion.linear.dot(motion.linear) <= limit && motion.angular.dot(motion.angular) <= limit
 }
 
-/// How many bodies have to stand on one another for the lowest to sink by half of what refinement allows.
+/// How many bodies have to stand on one another for the lowest contact between them to keep a stack refined.
 pub(super) fn bodies_that_sink(settings: &Settings) -> f32 {
     let w = 2.0 * PI * settings.frequency();
-    // F / (m* w^2), the effective mass of two equal ones being half of one.
+    // F / (m* w^2) for each body above, the effective mass of two equal ones being half of one.
     let each = 2.0 * length(settings.gravity) / (w * w);
-    if each > 0.0 { 0.5 * settings.refine_sink / each } else { f32::MAX }
+    if each > 0.0 { 1.0 + STAYS * settings.refine_sink / each } else { f32::MAX }
 }
 
 /// Least separation of a contact's points, metres, and its normal in the world.
