@@ -21,6 +21,8 @@ const REST_SPEED: f32 = 0.01;
 /// Separation of points that touch, either way, metres: gravity closes such a gap in a step of 1/60 s. What
 /// overlaps by more will be pushed apart, and does not rest.
 const TOUCH: f32 = 1.0e-3;
+/// Contacts that are looked through at once for new ones.
+const RUN: usize = 32;
 /// Least component of gravity's direction along the normal for one body to stand on the other.
 const UPRIGHT: f32 = 0.5;
 
@@ -32,36 +34,46 @@ pub(super) fn mark(
     settings: &Settings,
     contacts: usize,
 ) -> bool {
-    let memos = &cache.memos[cache.header[0].memo_half as usize * state.contacts.len()..];
     let weight = length(settings.gravity);
     if weight == 0.0 {
         return false;
     }
     let down = settings.gravity / weight;
     let mut any = false;
-    for (index, &from) in scratch.contact_from[..contacts].iter().enumerate() {
-        if from != NEW {
+    for first in (0..contacts).step_by(RUN) {
+        let run = first..contacts.min(first + RUN);
+        // In a pile few contacts begin in a step: most runs have none, which is seen without a branch for each.
+        if !scratch.contact_from[run.clone()].iter().fold(false, |any, &from| any | (from == NEW)) {
             continue;
         }
-        let (touch, link) = (&scratch.touches[index], &scratch.slot_links[index]);
-        let ends = touch.shapes.map(|shape| state.shapes[shape as usize].body);
-        let found = Touching::new(scratch, touch, (&memos[index], state.contacts[index].tag.points()));
-        if found.separation > TOUCH || !ends.into_iter().all(|slot| is_at_rest(state, slot)) {
-            continue;
+        for index in run.filter(|&index| scratch.contact_from[index] == NEW) {
+            let mark = mark_of(state, (cache, scratch), down, index);
+            scratch.marks[scratch.slot_links[index].a as usize] |= mark;
+            any |= mark == BEGINS;
         }
-        let mark = match link.b {
-            _ if found.separation < -TOUCH => WENT_ON,
-            IMMOVABLE => STANDS,
-            _ if found.normal.dot(down).abs() >= UPRIGHT => BEGINS,
-            _ => 0,
-        };
-        scratch.marks[link.a as usize] |= mark;
-        any |= mark == BEGINS;
     }
     if any {
         mark_others(state, scratch, contacts);
     }
     any
+}
+
+/// The mark of a contact that is new in this step.
+fn mark_of(state: &State<'_>, (cache, scratch): (&Cache<'_>, &Scratch<'_>), down: Vec3, index: usize) -> u8 {
+    let touch = &scratch.touches[index];
+    let ends = touch.shapes.map(|shape| state.shapes[shape as usize].body);
+    if !ends.into_iter().all(|slot| is_at_rest(state, slot)) {
+        return 0;
+    }
+    let memo = &cache.memos[cache.header[0].memo_half as usize * state.contacts.len() + index];
+    let found = Touching::new(scratch, touch, (memo, state.contacts[index].tag.points()));
+    match scratch.slot_links[index].b {
+        _ if found.separation > TOUCH => 0,
+        _ if found.separation < -TOUCH => WENT_ON,
+        IMMOVABLE => STANDS,
+        _ if found.normal.dot(down).abs() >= UPRIGHT => BEGINS,
+        _ => 0,
+    }
 }
 
 /// Marks what keeps an island from having begun: contacts of before, those with an impulse, and bodies that move.
