@@ -323,16 +323,16 @@ fn solve_friction<const N: usize>(
     let friction_mass = shift.friction_mass(row, (first_b, second_b));
     let x = row.first_impulse - friction_mass * (u.rate(row.tangent, row.first_a, first_b) + surface.x);
     let y = row.second_impulse - friction_mass * (u.rate(second, row.second_a, second_b) + surface.y);
+    let (mut x, mut y) = (x.flushed(), y.flushed());
     let square = x * x + y * y;
     let outside = square.greater(limit * limit);
-    let (mut x, mut y) = (x, y);
     // A lane inside the disc is multiplied by 1: `any` only saves the root and the division.
     if outside.any() {
         let one = Lane::splat(1.0);
         let scale = outside.select(limit / outside.select(square.sqrt(), one), one);
         (x, y) = (x * scale, y * scale);
     }
-    let (x, y) = (x.finite().flushed(), y.finite().flushed());
+    let (x, y) = (x.finite(), y.finite());
     let (dx, dy) = (x - row.first_impulse, y - row.second_impulse);
     u.apply_torque(row.first_a, first_b, dx);
     u.apply_torque(row.second_a, second_b, dy);

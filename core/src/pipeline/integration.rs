@@ -221,12 +221,12 @@ impl LaneRotation {
         Self { imaginary: turn.times(s), real: c }
     }
 
-    /// `self` after `first`.
+    /// `self` after `first`; small parts are 0, as in [`Rotation::after`].
     #[inline(always)]
     pub fn after(self, first: Self) -> Self {
         let (a, b) = (self.imaginary, first.imaginary);
         Self {
-            imaginary: b.times(self.real) + a.times(first.real) + a.cross(b),
+            imaginary: (b.times(self.real) + a.times(first.real) + a.cross(b)).flushed(),
             real: self.real * first.real - a.dot(b),
         }
     }

@@ -7,7 +7,7 @@ use crate::body::{BodyRow, Motion};
 use crate::collide::vector64::{Vector, dot, to_f64, to_vec3};
 use crate::config::{LINEAR_SPEED_MAX, TURN_MAX};
 use crate::constraint::velocities::root_times;
-use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, each_lane, transpose, transpose_back};
+use crate::lanes::{FLUSH, LANES, Lane, LaneVec, Mask, Words, each_lane, transpose, transpose_back};
 use crate::math::{Rotation, Vec3, length, min};
 use crate::pipeline::integration::{self, LaneRotation, SPLITS_MAX, TURN_STEP};
 use crate::pipeline::seat::Seat;
@@ -146,15 +146,14 @@ impl MoverRow {
         let v = velocity + self.push[lane];
         let v = v - v * self.loss[lane];
         // Inverse mass and locks stay as they are.
-        let tiny = Words::new([1.0e-18, 1.0e-18, 1.0e-18, 0.0, 1.0e-18, 1.0e-18, 1.0e-18, 0.0]);
-        (v + tiny) - tiny
+        v.flushed(Words::new([FLUSH, FLUSH, FLUSH, 0.0, FLUSH, FLUSH, FLUSH, 0.0]))
     }
 
     /// Moves the bodies by their velocities, and their nudges if there are any, for a substep, and notes the
     /// motion in the seats.
     pub fn advance(&mut self, seats: &mut [Seat; LANES], substep: f32, nudges: bool) {
         let (mut v, mut whitened) = velocities(seats);
-        let mut turn = root_times(&self.turn, whitened);
+        let mut turn = root_times(&self.turn, whitened).flushed();
         // Squares of finite numbers may be infinite: then the speed is capped.
         let slow = v.dot(v).less(Lane::splat(LINEAR_SPEED_MAX * LINEAR_SPEED_MAX));
         if !slow.and(turn.dot(turn).less(self.turn_max)).all() {
@@ -167,7 +166,7 @@ impl MoverRow {
         }
         let h = Lane::splat(substep);
         let nudge = if nudges { self.take_nudges(seats, substep) } else { Nudge::NONE };
-        let moved = (v + nudge.linear).times(h);
+        let moved = (v + nudge.linear).times(h).flushed();
         self.displacement = self.displacement + moved;
         let before = (nudge.any && self.tops != 0).then(|| self.frame.third());
         let mut turned = self.turn_by(turn, whitened.times(h), &nudge);
@@ -177,7 +176,7 @@ impl MoverRow {
         if let Some(before) = before {
             self.take_back(seats, (before, nudge.momentum));
         }
-        let zero = Lane::ZERO;
+        let (zero, turned) = (Lane::ZERO, turned.flushed());
         let rows = transpose_back([moved.x, moved.y, moved.z, zero, turned.x, turned.y, turned.z, zero]);
         for (seat, moved) in seats.iter_mut().zip(rows) {
             seat.moved = moved;
@@ -426,7 +425,7 @@ fn top_words((active, motion, row): (&Active, &Motion, &BodyRow), substep: f32) 
 #[inline(always)]
 fn velocities(seats: &[Seat; LANES]) -> (LaneVec, LaneVec) {
     let u = transpose(each_lane(|lane| seats[lane].velocity));
-    (LaneVec::new(u[0], u[1], u[2]), LaneVec::new(u[4], u[5], u[6]))
+    (LaneVec::new(u[0], u[1], u[2]).flushed(), LaneVec::new(u[4], u[5], u[6]).flushed())
 }
 
 /// Angular velocity in the world of a body that ends the step with this whitened velocity and orientation, rad/s;

@@ -154,8 +154,7 @@ impl BallRow {
     /// Adds to the impulse; returns by how much it changes.
     #[inline(always)]
     fn add(&mut self, x: LaneVec) -> LaneVec {
-        let after = (self.impulse + x).finite();
-        let after = LaneVec::new(after.x.flushed(), after.y.flushed(), after.z.flushed());
+        let after = (self.impulse + x).finite().flushed();
         let change = after - self.impulse;
         self.impulse = after;
         change
