@@ -14,7 +14,7 @@ mod row;
 use crate::handle::BodyHandle;
 use crate::math::{Pose, Vec3};
 
-pub(crate) use row::{AxisRow, BROKEN, COLLIDES, Joint, JointRow, PLAIN_BALL, Signature};
+pub(crate) use row::{AxisRow, BROKEN, COLLIDES, Joint, JointRow, LAGS, LEAPT, PLAIN_BALL, Signature};
 
 /// A spring with its damper.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,6 +17,7 @@ pub(crate) mod finish;
 pub(crate) mod integration;
 pub(crate) mod joints;
 pub(crate) mod layout;
+pub(crate) mod leapfrog;
 pub(crate) mod meeting;
 pub(crate) mod mover;
 pub(crate) mod narrowphase;
@@ -131,8 +132,8 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     }
     observer.after(Stage::Ordering, &StageView::new(state));
     crew.executor.enter(Stage::Assembly);
-    assembly::prepare_bodies(state, scratch, (settings, links.bodies), &mut crew);
-    assembly::fill(state, (cache, scratch), (settings, &plan), &mut crew);
+    assembly::prepare_bodies(state, scratch, (settings, links), &mut crew);
+    assembly::fill(state, (cache, scratch), (settings, &plan, links), &mut crew);
     let seen = ObservedRows { scratch, cache, plan: &plan, bodies: links.bodies };
     observer.after(Stage::Assembly, &StageView::with_rows(state, seen));
     crew.executor.enter(Stage::Solve);
@@ -208,7 +209,9 @@ fn activate<E: Executor>(
     let held = ordering::list_held(state, scratch);
     refine::run(state, (cache, scratch), settings, (contacts, held, began));
     let loose = ordering::write_joints(state, (cache, scratch), (contacts, held), settings.direct_joints);
-    Links { bodies: count, contacts, joints: loose, articulated: held - loose }
+    let links = Links { bodies: count, contacts, joints: loose, articulated: held - loose };
+    leapfrog::mark(state, (cache, scratch), (links, settings));
+    links
 }
 
 fn report(

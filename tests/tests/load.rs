@@ -1,9 +1,10 @@
 //! `load` takes bytes from anywhere: it accepts exactly or refuses, never panics, and what it accepts steps.
 
 use cellstep::math::Vec3;
-use cellstep::{BodyDef, BodyKind, Error, Geometry, Serial, ShapeDef, SnapshotError};
+use cellstep::{BodyDef, BodyKind, Error, Geometry, JointDef, Serial, ShapeDef, SnapshotError};
 use cellstep_tests::executors::Random;
 use cellstep_tests::fuzzing::{self, LOAD_CAPACITIES, SNAPSHOT_HEADER};
+use cellstep_tests::jointed::{at, ball, jointed, massive};
 use cellstep_tests::simulator::{Simulator, snapshot};
 use cellstep_tests::worlds;
 use std::collections::BTreeMap;
@@ -222,4 +223,29 @@ fn forgotten_pairs_of_removed_shapes_are_refused() {
     bytes[mark] = 0;
     let expected = SnapshotError::Invalid { section: "pairs", index: 0 };
     assert_eq!(world.load(&bytes), Err(Error::Snapshot(expected)));
+}
+
+/// The bodies of a joint have leapt or they have not: one flag, the other, or none before their first step.
+#[test]
+fn a_joint_that_leapt_and_did_not_is_refused() {
+    let (mut world, base) = jointed(1, 1, 4);
+    let body = massive(&mut world, at(Vec3::X), ball(1.0, 0.3));
+    world.create_joint(&JointDef::ball([base, body], [at(Vec3::ZERO), at(-Vec3::X)])).expect("room");
+    world.step(&mut Serial);
+    let bytes = snapshot(&world);
+    let mut load = |place: usize, flags: u32| {
+        let mut bytes = bytes.clone();
+        bytes[place..place + 4].copy_from_slice(&flags.to_le_bytes());
+        world.load(&bytes)
+    };
+    let (plain, leapt, lags) = (32_u32, 64, 128);
+    let flags = (plain | leapt).to_le_bytes();
+    let places: Vec<usize> = (0..bytes.len() - 4).filter(|&i| bytes[i..i + 4] == flags).collect();
+    let expected = Err(Error::Snapshot(SnapshotError::Invalid { section: "joints", index: 0 }));
+    let found = places.into_iter().filter(|&place| {
+        load(place, plain | lags) == Ok(())
+            && load(place, plain) == Ok(())
+            && load(place, plain | leapt | lags) == expected
+    });
+    assert_eq!(found.count(), 1);
 }

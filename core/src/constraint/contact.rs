@@ -37,6 +37,11 @@ pub(crate) enum Pass {
     RelaxAgain,
     /// Follows the bodies' motion only.
     Follow,
+    /// Solves velocities of the joints that leap, after the rest of their push: see `pipeline/leapfrog.rs`.
+    Leap,
+    /// The same where the substep is the step, and so began with half a push: the impulses count. Else they are
+    /// those of a whole push already.
+    LeapOnce,
     /// Gives bouncing points their speed.
     Bounce,
 }

@@ -63,10 +63,12 @@ pub(crate) struct JointLink {
     pub turns: u32,
     /// 1 when a body of a lane is a free top: then `inertia` counts.
     pub tops: u32,
+    /// Bit for each lane that leaps: see `pipeline/leapfrog.rs`.
+    pub leaps: u32,
     /// Not 0 for a joint of an articulation: its locks are in the matrix of that.
     pub at_once: u32,
     /// Zero.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
     /// What the new axes change of the warm start: impulse on B, N s; whitened angular velocities of A and B. After
     /// the solve the first two are force and torque.
     pub turn_push: LaneVec,
@@ -262,7 +264,8 @@ pub(crate) fn visit(
         locks = rest;
         let (own_bounds, rest) = core::mem::take(&mut bounds).split_at_mut(signature.bound_rows());
         bounds = rest;
-        if sweep.ends && !signature.counts_on() {
+        let only_leaps = matches!(sweep.pass, Pass::Leap | Pass::LeapOnce);
+        if sweep.ends && !signature.counts_on() || only_leaps && link.leaps == 0 {
             continue;
         }
         match own_locks.len() {
@@ -306,6 +309,9 @@ fn visit_link<const N: usize>(
             if sweep.relaxes_again {
                 locks.iter_mut().zip(means).for_each(|(row, mean)| row.mean = mean);
             }
+        }
+        Pass::Leap | Pass::LeapOnce => {
+            solve::leap(&mut u, (link, locks), sweep.pass == Pass::LeapOnce);
         }
         _ => {
             let means: [Push; N] = core::array::from_fn(|i| locks[i].mean);

@@ -1,6 +1,6 @@
 //! What a row reads and writes of the seats of its bodies, lane by lane.
 
-use crate::lanes::{LANES, Lane, LaneVec, Words, each_lane, transpose, transpose_back};
+use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, each_lane, transpose, transpose_back};
 use crate::pipeline::seat::Seat;
 
 /// Seats of the bodies A and of the bodies B.
@@ -113,6 +113,22 @@ impl Velocities {
         self.wa = self.wa - ja.times(x);
         self.wb = self.wb + jb.times(x);
     }
+
+    /// The four velocities, for [`Self::keep`].
+    #[inline(always)]
+    pub fn all(&self) -> [LaneVec; 4] {
+        [self.va, self.wa, self.vb, self.wb]
+    }
+
+    /// Takes `before` again in all lanes but some, to the last bit: an impulse of 0 can change the sign of a zero.
+    #[inline(always)]
+    pub fn keep(&mut self, lanes: Mask, [va, wa, vb, wb]: [LaneVec; 4]) {
+        self.va = lanes.select_vec(self.va, va);
+        self.wa = lanes.select_vec(self.wa, wa);
+        self.vb = lanes.select_vec(self.vb, vb);
+        self.wb = lanes.select_vec(self.wb, wb);
+    }
+
     /// Applies the impulse `p` on B and its opposite on A, and whitened torques.
     #[inline(always)]
     pub fn push(&mut self, p: LaneVec, (a, b): (LaneVec, LaneVec)) {

@@ -257,7 +257,11 @@ pub(crate) const BROKEN: u32 = 8;
 pub(crate) const CONE: u32 = 16;
 /// Holds its points together rigidly, and nothing else.
 pub(crate) const PLAIN_BALL: u32 = 32;
-const FLAGS_ALL: u32 = COUPLING_MASK | COLLIDES | BROKEN | CONE | PLAIN_BALL;
+/// The bodies leapt in the last step: their velocities are of its end. See `pipeline/leapfrog.rs`.
+pub(crate) const LEAPT: u32 = 64;
+/// They did not: their velocities are half a substep's gravity behind.
+pub(crate) const LAGS: u32 = 128;
+const FLAGS_ALL: u32 = COUPLING_MASK | COLLIDES | BROKEN | CONE | PLAIN_BALL | LEAPT | LAGS;
 
 impl JointRow {
     /// The next joint in the list of one of its bodies: its slot plus 1, or 0.
@@ -349,6 +353,7 @@ impl Joint {
         let mut derived = *self;
         derived.derive();
         if self.flags > FLAGS_ALL
+            || self.flags & (LEAPT | LAGS) == LEAPT | LAGS
             || !has_cone && self.cone != 0.0
             || (derived.signature, derived.flags) != (self.signature, self.flags)
         {
@@ -375,7 +380,7 @@ impl Joint {
     /// Takes over what another row of the same joint has gathered, as far as their rows are the same.
     pub fn carry_over(&mut self, old: &Self) {
         (self.next, self.phase) = (old.next, old.phase);
-        self.flags |= old.flags & BROKEN;
+        self.flags |= old.flags & (BROKEN | LEAPT | LAGS);
         for (axis, before) in self.axes.iter_mut().zip(&old.axes) {
             axis.turn = before.turn;
         }

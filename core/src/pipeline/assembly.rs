@@ -14,12 +14,13 @@ use crate::pipeline::continuous::has_joints;
 use crate::pipeline::integration::root_and_whitened;
 use crate::pipeline::layout::{Group, Plan, TIERS};
 use crate::pipeline::mover::MoverRow;
+use crate::pipeline::ordering::Links;
 use crate::pipeline::rows;
 use crate::pipeline::seat::Seat;
 use crate::pipeline::solver::{self, JointRows, take, take_some};
 use crate::pipeline::stiffening;
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{balls, events, joints, refine};
+use crate::pipeline::{balls, events, joints, leapfrog, refine};
 use crate::shape::ShapeRow;
 use crate::state::{Active, Cache, ContactRow, Memo, Scratch, State, Touch, principal_rotation};
 use bytemuck::Zeroable;
@@ -47,6 +48,8 @@ pub(crate) struct Scene<'a> {
     pub joint_axes: &'a [[AxisRow; 6]],
     /// By slot of a body: not 0 for one with joints.
     pub first_joints: &'a [u32],
+    /// Marks of `pipeline/leapfrog.rs` by slot of a body; none where nothing leaps.
+    pub marks: &'a [u32],
     /// Slots of the joints that are links.
     pub joint_slots: &'a [u32],
     /// Index among the active bodies by slot.
@@ -101,9 +104,11 @@ impl Softness {
 pub(crate) fn prepare_bodies<E: Executor>(
     state: &State<'_>,
     scratch: &mut Scratch<'_>,
-    (settings, bodies): (&Settings, usize),
+    (settings, links): (&Settings, Links),
     crew: &mut Crew<'_, E>,
 ) {
+    let bodies = links.bodies;
+    let marks = leapfrog::in_use(scratch.joint_marks, links);
     let share = chunk(bodies, PREPARE_BODIES);
     let mut tasks: Tasks<&mut [Active]> = Tasks::new();
     scratch.active[..bodies].chunks_mut(share).for_each(|active| push(&mut tasks, active));
@@ -120,6 +125,10 @@ pub(crate) fn prepare_bodies<E: Executor>(
             if has_joints(state.first_joints, active.body) {
                 active.stiffening = stiffening::stiffening(state, active.body, substep);
                 active.angular = stiffening::eased(active, row, (principal, motion.angular));
+                let lag = leapfrog::lag(marks, active.body);
+                if lag != 0.0 {
+                    active.linear += gravity * (row.gravity_scale * lag * substep);
+                }
             }
             (active.root, active.whitened) =
                 root_and_whitened(principal, active.inertia(row), locks >> 3, active.angular);
@@ -136,7 +145,7 @@ pub(crate) fn prepare_bodies<E: Executor>(
 pub(crate) fn fill<E: Executor>(
     state: &State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    (settings, plan): (&Settings, &Plan),
+    (settings, plan, links): (&Settings, &Plan, Links),
     crew: &mut Crew<'_, E>,
 ) {
     let scenes = settings.tiers().map(|settings| Scene {
@@ -154,6 +163,7 @@ pub(crate) fn fill<E: Executor>(
         joints: state.joints,
         joint_axes: state.joint_axes,
         first_joints: state.first_joints,
+        marks: leapfrog::in_use(scratch.joint_marks, links),
         joint_slots: scratch.joint_slots,
         active_of: scratch.active_of,
         softness: Softnesses::new(&settings),
@@ -253,16 +263,18 @@ impl Task<'_> {
             let bodies = &lanes.seat_bodies[group.first_seat as usize..][..own_seats.len()];
             let own_movers = take(&mut movers, if group.phase == 0 { own_seats.len() / LANES } else { 0 });
             fill_seats(scene, (own_seats, own_movers), bodies);
+            group.leaps = 0;
             let mut joints = self.joints.take(group);
             let mut left = joints.reborrow();
             let first = group.first_joint as usize;
             let (balls, end) = (first + group.balls as usize, first + group.joints as usize);
             for (row, ball) in (first..balls).zip(&mut *left.balls) {
                 balls::fill(scene, ball, (&lanes.joints[row], &lanes.joint_seats[row]));
+                group.leaps |= ball.leaps;
             }
             for row in balls..end {
                 let lanes = (&lanes.joints[row], &lanes.joint_seats[row], group.articulations);
-                joints::fill(scene, &mut left, lanes);
+                group.leaps |= joints::fill(scene, &mut left, lanes);
             }
             lanes.patterns.of(group).each(joints, |articulation| articulation.factor());
             let mut own_points = take(&mut points, group.points as usize);
@@ -300,5 +312,12 @@ fn fill_seats(scene: &Scene<'_>, (seats, movers): (&mut [Seat], &mut [MoverRow])
         };
         let is_jointed = |slot: u32| has_joints(scene.first_joints, slot);
         mover.enter(seats, entry, (scene.substep, is_jointed));
+        if !scene.marks.is_empty() {
+            let bits = |of: fn(&[u32], u32) -> bool| {
+                let is = |lane| entry(lane).is_some_and(|(active, ..)| of(scene.marks, active.body));
+                (0..LANES).fold(0, |bits, lane| bits | u32::from(is(lane)) << lane)
+            };
+            (mover.leaps, mover.alone) = (bits(leapfrog::leaps), bits(leapfrog::leaps_alone));
+        }
     }
 }

@@ -9,8 +9,9 @@ use crate::lanes::{LANES, LaneVec, Words, transpose};
 use crate::math::Vec3;
 use crate::pipeline::assembly::Scene;
 use crate::pipeline::layout::EMPTY;
-use crate::pipeline::mover;
+use crate::pipeline::leapfrog::lanes_of;
 use crate::pipeline::rows::Frame;
+use crate::pipeline::{leapfrog, mover};
 use crate::state::State;
 use bytemuck::Zeroable;
 
@@ -58,7 +59,7 @@ pub(crate) fn fill(
     };
     (row.root_a, row.root_b) = (root(a), root(b));
     let [cx, cy, cz, _, x, y, z, _] = transpose(rest);
-    row.impulse = LaneVec::new(x, y, z);
+    row.impulse = lanes_of(row.leaps).select_vec(LaneVec::ZERO, LaneVec::new(x, y, z));
     (row.arm_a, row.arm_b) = (arms[0], arms[1]);
     row.lever_a = LaneVec::new(cx, cy, cz) + arms[1];
     row.weigh(free_axes(a[7]).times(a[6]) + free_axes(b[7]).times(b[6]));
@@ -79,6 +80,7 @@ fn gather(scene: &Scene<'_>, (row, to): (&mut BallRow, &mut Gathered), (joint, l
         if index != IMMOVABLE {
             let body = &scene.active[index as usize];
             row.locked |= u32::from(body.locks != 0.0);
+            row.leaps |= u32::from(leapfrog::leaps(scene.marks, slot)) << lane;
             let [xx, yy, zz, xy, xz, yz] = body.root;
             to.masses[end][lane] = Words::new([xx, yy, zz, xy, xz, yz, body.inverse_mass, body.locks]);
         }

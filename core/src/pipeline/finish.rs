@@ -188,7 +188,10 @@ fn store_motions<E: Executor>(
     crew.run(Stage::Finish, &mut tasks, |task| {
         for i in 0..task.rows.len() {
             if crate::pool::is_used(used, (task.first + i) as u32) {
-                let before = notes.then_some((task.motions[i].center, task.motions[i].rotation));
+                // A fast body may be put elsewhere later, wherever the solve left it.
+                let seen =
+                    |task: &Bodies<'_>| (task.motions[i].center, task.motions[i].rotation, task.found.fast);
+                let before = notes.then(|| seen(task));
                 match task.rows[i].kind() {
                     BodyKind::Static => {}
                     BodyKind::Kinematic => {
@@ -199,7 +202,7 @@ fn store_motions<E: Executor>(
                     BodyKind::Dynamic if task.rows[i].has(ASLEEP) => {}
                     BodyKind::Dynamic => task.store(i, (&results, &race), sleep),
                 }
-                if before.is_some_and(|before| before != (task.motions[i].center, task.motions[i].rotation)) {
+                if before.is_some_and(|before| before != seen(task)) {
                     task.moved[i / 64].moved |= 1 << (i % 64);
                 }
             }

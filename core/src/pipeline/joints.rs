@@ -19,7 +19,7 @@ use crate::pipeline::mover;
 use crate::pipeline::ordering::Links;
 use crate::pipeline::solver::{JointRows, take};
 use crate::pipeline::tasks::{Crew, Tasks, chunk, push};
-use crate::pipeline::{Counts, balls, events};
+use crate::pipeline::{Counts, balls, events, leapfrog};
 use crate::pool::is_used;
 use crate::shape::BOX_STALE;
 use crate::state::{Cache, Scratch, State, mark_shapes, principal_rotation};
@@ -43,17 +43,18 @@ impl core::ops::Deref for View<'_> {
     }
 }
 
-/// Writes one row of joints and cuts it off `rows`; `at_once` is not 0 for one of articulations.
+/// Writes one row of joints and cuts it off `rows`; `at_once` is not 0 for one of articulations. Returns the bits
+/// of the lanes that leap.
 pub(crate) fn fill(
     scene: &Scene<'_>,
     rows: &mut JointRows<'_>,
     (joints, seats, at_once): (&[u32; LANES], &[u32; 2 * LANES], u32),
-) {
+) -> u32 {
     let row_of = |joint: u32| {
         let slot = scene.joint_slots[joint as usize] as usize;
         View { row: &scene.joints[slot], axes: &scene.joint_axes[slot] }
     };
-    let Some(&first) = joints.iter().find(|&&joint| joint != EMPTY) else { return };
+    let Some(&first) = joints.iter().find(|&&joint| joint != EMPTY) else { return 0 };
     let signature = row_of(first).signature();
     let link = &mut take(&mut rows.links, 1)[0];
     let locks = take(&mut rows.locks, signature.lock_rows());
@@ -85,6 +86,7 @@ pub(crate) fn fill(
     }
     // What the rows give is known now.
     weigh(link, locks, bounds, masses);
+    link.leaps
 }
 
 /// Writes what one joint's bodies are; returns their inverse masses along the axes, added.
@@ -111,6 +113,7 @@ fn set_bodies(scene: &Scene<'_>, link: &mut JointLink, joint: &View<'_>, lane: u
         let body = &scene.active[index as usize];
         let locks = body.locks as u32;
         link.locked |= u32::from(locks != 0);
+        link.leaps |= u32::from(leapfrog::leaps(scene.marks, slot as u32)) << lane;
         let free = |axis: u32| if locks >> axis & 1 == 1 { 0.0 } else { body.inverse_mass };
         let inverse = Vec3::new(free(0), free(1), free(2));
         masses += inverse;
@@ -238,8 +241,9 @@ fn set_locks(
 ) {
     let coupled = signature.is_gear() || signature.is_rack();
     let axes = locks_of(signature).chain(coupled.then_some(0));
+    let is_fresh = joint.bodies.iter().any(|&slot| leapfrog::leaps_alone(scene.marks, slot));
     for (row, axis) in locks.iter_mut().zip(axes) {
-        row.impulse.set(lane, joint.impulses[axis]);
+        row.impulse.set(lane, if is_fresh { 0.0 } else { joint.impulses[axis] });
         if signature.is_distance() {
             row.error.set(lane, measure.shifts[0] - joint.axes[0].lower);
         } else if coupled {

@@ -67,8 +67,8 @@ pub(crate) struct Group {
     pub blocks: u32,
     /// Index of the tier.
     pub tier: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Not 0 when some joint of the group leaps: see `pipeline/leapfrog.rs`.
+    pub leaps: u32,
 }
 
 /// The tier of bodies that are refined; those that are not have tier 0.

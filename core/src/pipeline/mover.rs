@@ -51,8 +51,12 @@ pub(crate) struct MoverRow {
     tops: u32,
     /// Bit for each lane with a slender top that has no joints.
     slender: u32,
+    /// Bit for each lane whose body gets half of a push first and half last: see `pipeline/leapfrog.rs`.
+    pub leaps: u32,
+    /// Bit for each of them that begins a substep without the impulses of the one before.
+    pub alone: u32,
     /// Zero.
-    reserved: [u32; 6],
+    reserved: [u32; 4],
 }
 
 /// A top is slender when the moment about its long axis is less than a third of the next one.
@@ -77,7 +81,7 @@ impl MoverRow {
         for (lane, seat) in seats.iter_mut().enumerate() {
             *seat = Seat::zeroed();
             if let Some(body) = entry(lane) {
-                row.enter_velocity(lane, body, substep);
+                row.enter_velocity(lane, (body.0, body.2), substep);
                 seat.velocity = row.star[lane];
                 let top = is_top(body.2);
                 row.tops |= u32::from(top);
@@ -101,16 +105,11 @@ impl MoverRow {
         }
     }
 
-    fn enter_velocity(
-        &mut self,
-        lane: usize,
-        (active, motion, row): (&Active, &Motion, &BodyRow),
-        substep: f32,
-    ) {
+    fn enter_velocity(&mut self, lane: usize, (active, row): (&Active, &BodyRow), substep: f32) {
         let locks = active.locks as u32;
         let free = |axis: u32, x: f32| if locks >> axis & 1 == 1 { 0.0 } else { x };
         let velocity =
-            Vec3::new(free(0, motion.linear.x), free(1, motion.linear.y), free(2, motion.linear.z));
+            Vec3::new(free(0, active.linear.x), free(1, active.linear.y), free(2, active.linear.z));
         let torque = integration::root_times(&active.root, row.torque) * substep;
         // v' = v / (1 + c h) = v - v c h / (1 + c h)
         let loss = |damping: f32| Vec3::splat(damping * substep / (1.0 + damping * substep));
@@ -123,17 +122,36 @@ impl MoverRow {
     /// Velocities of the first substep: gravity, forces, damping. The warm sweep follows.
     pub fn push_first(&mut self, seats: &mut [Seat; LANES]) {
         for (lane, seat) in seats.iter_mut().enumerate() {
-            self.star[lane] = self.pushed(lane, seat.velocity);
+            let push = if self.leaps >> lane & 1 == 1 { self.half_push(lane) } else { self.push[lane] };
+            self.star[lane] = self.pushed(lane, seat.velocity, push);
             seat.velocity = self.star[lane];
         }
+    }
+
+    /// The second half of the push of bodies that leap, after the last substep.
+    pub fn push_last(&mut self, seats: &mut [Seat; LANES], substep: f32) {
+        if self.leaps == 0 {
+            return;
+        }
+        for (lane, seat) in seats.iter_mut().enumerate() {
+            if self.leaps >> lane & 1 == 1 {
+                seat.velocity = seat.velocity + self.half_push(lane);
+            }
+        }
+        self.cap(seats, (substep, self.leaps));
+    }
+
+    fn half_push(&self, lane: usize) -> Words {
+        self.push[lane] * Words::new([0.5; 8])
     }
 
     /// Velocities of a later substep: as the first, then the impulses of the substep before as warm start. Their
     /// sum on a body is the difference `v - star` that they made.
     pub fn push_again(&mut self, seats: &mut [Seat; LANES], nudges: bool) {
         for (lane, seat) in seats.iter_mut().enumerate() {
-            let warm = seat.velocity - self.star[lane];
-            self.star[lane] = self.pushed(lane, seat.velocity);
+            let is_alone = self.alone >> lane & 1 == 1;
+            let warm = if is_alone { Words::ZERO } else { seat.velocity - self.star[lane] };
+            self.star[lane] = self.pushed(lane, seat.velocity, self.push[lane]);
             seat.velocity = self.star[lane] + warm;
             if nudges {
                 seat.moved = Words::ZERO;
@@ -142,8 +160,8 @@ impl MoverRow {
     }
 
     #[inline(always)]
-    fn pushed(&self, lane: usize, velocity: Words) -> Words {
-        let v = velocity + self.push[lane];
+    fn pushed(&self, lane: usize, velocity: Words, push: Words) -> Words {
+        let v = velocity + push;
         let v = v - v * self.loss[lane];
         // Inverse mass and locks stay as they are.
         v.flushed(Words::new([FLUSH, FLUSH, FLUSH, 0.0, FLUSH, FLUSH, FLUSH, 0.0]))
@@ -157,7 +175,7 @@ impl MoverRow {
         // Squares of finite numbers may be infinite: then the speed is capped.
         let slow = v.dot(v).less(Lane::splat(LINEAR_SPEED_MAX * LINEAR_SPEED_MAX));
         if !slow.and(turn.dot(turn).less(self.turn_max)).all() {
-            self.cap(seats, substep);
+            self.cap(seats, (substep, u32::MAX));
             (v, whitened) = velocities(seats);
             turn = root_times(&self.turn, whitened);
         }
@@ -304,10 +322,10 @@ impl MoverRow {
         (self.slender >> lane & 1 != 0 && axis != view).then_some((axis, view))
     }
 
-    /// Caps speed and spin at the documented maxima.
+    /// Caps speed and spin at the documented maxima, in the lanes of some bits.
     #[cold]
-    fn cap(&mut self, seats: &mut [Seat; LANES], substep: f32) {
-        for (lane, seat) in seats.iter_mut().enumerate() {
+    fn cap(&mut self, seats: &mut [Seat; LANES], (substep, lanes): (f32, u32)) {
+        for (lane, seat) in seats.iter_mut().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
             let u = seat.velocity.to_array();
             let (v, whitened) = (Vec3::new(u[0], u[1], u[2]), Vec3::new(u[4], u[5], u[6]));
             let (speed, spin) = (length(v), length(self.velocity_turn(lane, whitened, substep)));

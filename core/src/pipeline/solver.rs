@@ -1,7 +1,8 @@
 //! The solve (the talk's fourth stage): sweeps over the phases, one barrier after each.
 //!
 //! ```text
-//! step    = first push + warm sweep, then substeps, then a bounce sweep if something bounces
+//! step    = first push + warm sweep, then substeps, then the last push of joints that leap and a bounce sweep, if
+//!           something leaps or bounces
 //! substep = biased sweeps (phase 0 of the first pushes velocities), relax sweeps (phase 0 of the first moves)
 //! ```
 //! so a step has `(2 x substeps + 1) x phases` barriers with one sweep of each kind. Groups of a tier that has one
@@ -103,6 +104,8 @@ enum Motion {
     PushAgain,
     /// Positions.
     Advance,
+    /// The rest of the push of bodies that leap.
+    PushLast,
 }
 
 /// A group at work.
@@ -182,6 +185,8 @@ enum Act {
 struct Sweeps<'s> {
     settings: &'s Settings,
     nudges: bool,
+    /// Some bodies leap.
+    leaps: bool,
     /// A contact may bounce.
     bounces: bool,
 }
@@ -230,6 +235,10 @@ impl Sweeps<'_> {
                 act(&self.of(Pass::RelaxAgain, self.visits(k + 1 == relax_sweeps)), Act::Visit(Motion::None));
             }
         }
+        if self.leaps {
+            let pass = if settings.substeps == 1 { Pass::LeapOnce } else { Pass::Leap };
+            act(&self.of(pass, 1), Act::Visit(Motion::PushLast));
+        }
         if let Some(residuals) = solved.residuals.as_mut().filter(|_| relax_sweeps > 0) {
             let left = act(&self.of(Pass::RelaxAgain, 1), Act::Measure);
             residuals.last = residuals.last.with(&left);
@@ -270,8 +279,10 @@ fn solve_tier<E: Executor>(
     crew: &mut Crew<'_, E>,
 ) {
     let splits = settings.contact_model == ContactModel::Split;
-    let bounces = rows.groups.iter().any(|group| group.bounces != 0 && group.tier as usize == index);
-    let sweeps = Sweeps { settings, nudges: rows.plan.joints > 0 || splits, bounces };
+    let some =
+        |is: fn(&Group) -> bool| rows.groups.iter().any(|group| is(group) && group.tier as usize == index);
+    let (leaps, bounces) = (some(|group| group.leaps != 0), some(|group| group.bounces != 0));
+    let sweeps = Sweeps { settings, nudges: rows.plan.joints > 0 || splits, leaps, bounces };
     match tier.phases() {
         // No group knows another: each goes through all sweeps by itself.
         [phase] if !sweeps.measures() => {
@@ -410,6 +421,7 @@ fn visit(task: &mut Task<'_>, sweep: &Sweep, motion: Motion, others: &OtherSeats
             match motion {
                 Motion::PushFirst => mover.push_first(seats),
                 Motion::PushAgain => mover.push_again(seats, sweep.nudges),
+                Motion::PushLast => mover.push_last(seats, sweep.substep),
                 Motion::Advance => mover.advance(seats, sweep.substep, sweep.nudges),
                 Motion::None => {}
             }
@@ -434,5 +446,7 @@ fn sweep_rows(task: &mut Task<'_>, sweep: &Sweep) {
     } else {
         task.patterns.each(task.joints.reborrow(), |articulation| articulation.visit(sweep, seats));
     }
-    contact::visit(sweep, (task.links, task.resists, task.cones), task.points, task.seats);
+    if !matches!(sweep.pass, Pass::Leap | Pass::LeapOnce) {
+        contact::visit(sweep, (task.links, task.resists, task.cones), task.points, task.seats);
+    }
 }

@@ -183,6 +183,8 @@ region! {
         joint_sets: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
         joint_set_sizes: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
         joint_set_loops: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
+        /// By slot of a body: see `pipeline/leapfrog.rs`.
+        joint_marks: u32 = if c.joints == 0 { 0 } else { c.bodies as usize },
         joint_members: Member = c.joints as usize,
         joint_runs: [u32; 2] = c.joints as usize / 2,
         phases: u8 = links_max(c),

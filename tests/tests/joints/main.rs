@@ -4,6 +4,7 @@ mod api;
 mod bits;
 mod drives;
 mod iterative;
+mod leapfrog;
 mod limits;
 mod meeting;
 mod partners;

@@ -7,6 +7,7 @@ use super::factor::Matrix;
 use super::solve::{NUDGE_MAX, Push, curvature, take_along, warm};
 use super::{BoundRow, JointLink, LockRow, follow};
 use crate::lanes::{Lane, LaneVec};
+use crate::pipeline::leapfrog::lanes_of;
 use crate::pipeline::seat::Seat;
 
 /// Fastest turn by a nudge, rad/s.
@@ -29,6 +30,8 @@ enum Ask {
     Relaxed,
     /// Nudges.
     Nudge,
+    /// The velocities after the rest of a push, by impulses that count or do not.
+    Leap { counts: bool },
 }
 
 impl Articulation<'_> {
@@ -55,6 +58,11 @@ impl Articulation<'_> {
                 self.relax(sweep, seats);
             }
             Pass::RelaxAgain => self.relax(sweep, seats),
+            Pass::Leap | Pass::LeapOnce => {
+                if self.links.iter().any(|link| link.leaps != 0) {
+                    self.hold(sweep, seats, Ask::Leap { counts: sweep.pass == Pass::LeapOnce });
+                }
+            }
             Pass::Bounce => {}
         }
     }
@@ -184,6 +192,15 @@ impl Articulation<'_> {
                     row.apply_nudge(&mut nudges, x * share);
                 }
                 nudges.scatter_nudges(ends, seats);
+                continue;
+            }
+            if let Ask::Leap { counts } = ask {
+                let (leaps, before) = (lanes_of(link.leaps), u.all());
+                for (row, x) in own.iter_mut().zip(answers) {
+                    row.leap(&mut u, leaps.keep(x), counts);
+                }
+                u.keep(leaps, before);
+                u.scatter((&link.seats_a, &link.seats_b), seats);
                 continue;
             }
             for (row, x) in own.iter_mut().zip(answers) {

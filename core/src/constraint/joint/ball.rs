@@ -13,6 +13,7 @@ use super::follow::Turning;
 use super::solve::{NUDGE_MAX, inverse};
 use crate::lanes::{LANES, Lane, LaneVec};
 use crate::math::Vec3;
+use crate::pipeline::leapfrog::lanes_of;
 use crate::pipeline::seat::Seat;
 use bytemuck::{Pod, Zeroable};
 
@@ -31,8 +32,10 @@ pub(crate) struct BallRow {
     pub locked: u32,
     /// 1 when the next biased sweep has to apply the changes of the warm start.
     pub turns: u32,
+    /// Bit for each lane that leaps: see `pipeline/leapfrog.rs`.
+    pub leaps: u32,
     /// Zero.
-    pub reserved: [u32; 6],
+    pub reserved: [u32; 5],
     /// W of both bodies, fixed for the step: diagonal, then xy, xz, yz.
     pub root_a: [LaneVec; 2],
     pub root_b: [LaneVec; 2],
@@ -61,6 +64,10 @@ impl BallRow {
             Pass::Follow => rows.iter_mut().for_each(|row| row.follow_only(seats)),
             Pass::Relax => rows.iter_mut().for_each(|row| row.relax(seats, true)),
             Pass::RelaxAgain => rows.iter_mut().for_each(|row| row.relax(seats, false)),
+            Pass::Leap | Pass::LeapOnce => {
+                let counts = sweep.pass == Pass::LeapOnce;
+                rows.iter_mut().filter(|row| row.leaps != 0).for_each(|row| row.leap(seats, counts));
+            }
             Pass::Bounce => {}
         }
     }
@@ -81,6 +88,11 @@ impl BallRow {
     fn press(&mut self, sweep: &Sweep, seats: &mut [Seat]) {
         let mut u = self.velocities(seats);
         if self.turns != 0 {
+            if self.leaps != 0 {
+                // What leaps alone begins anew.
+                let none = |v: LaneVec| lanes_of(self.leaps).select_vec(LaneVec::ZERO, v);
+                (self.impulse, self.pressed) = (none(self.impulse), none(self.pressed));
+            }
             // The impulse acts along the levers of now; half of what the relax sweeps gave did already.
             let both = self.impulse + self.pressed;
             let turn_a = root_times(&self.root_a, self.half_a.cross(both));
@@ -114,7 +126,27 @@ impl BallRow {
         }
         let x = self.substitute(self.rate(&u));
         let x = self.add(x);
-        self.push(&mut u, x, (self.lever_a - self.half_a, self.arm_b - self.half_b));
+        let levers = (self.lever_a - self.half_a, self.arm_b - self.half_b);
+        self.push(&mut u, x, levers);
+        if self.leaps != 0 {
+            // The factor is that of the levers of now.
+            let (leaps, before) = (lanes_of(self.leaps), u.all());
+            let x = leaps.keep_vec(self.substitute(self.rate(&u)));
+            let x = self.add(x);
+            self.push(&mut u, x, levers);
+            u.keep(leaps, before);
+        }
+        u.scatter((&self.seats_a, &self.seats_b), seats);
+    }
+
+    /// The velocities fit the levers again after the rest of the push.
+    fn leap(&mut self, seats: &mut [Seat], counts: bool) {
+        let mut u = self.velocities(seats);
+        let (leaps, before) = (lanes_of(self.leaps), u.all());
+        let x = leaps.keep_vec(self.substitute(self.rate(&u))).finite();
+        let x = if counts { self.add(x) } else { x };
+        self.push(&mut u, x, (self.lever_a, self.arm_b));
+        u.keep(leaps, before);
         u.scatter((&self.seats_a, &self.seats_b), seats);
     }
 

@@ -5,6 +5,7 @@ use super::super::velocities::{Velocities, root_times};
 use super::follow::Turning;
 use super::{BoundRow, JointLink, LockRow, Ways};
 use crate::lanes::{Lane, LaneVec, Mask};
+use crate::pipeline::leapfrog::lanes_of;
 use bytemuck::{Pod, Zeroable};
 
 /// A pivot below this share of its row's own yield is taken for rounding: the row says what others say already.
@@ -29,6 +30,7 @@ pub(super) fn biased<const N: usize>(
     link: &mut JointLink,
     (locks, bounds): (&mut [LockRow; N], &mut [BoundRow]),
 ) {
+    link.begin(locks);
     link.take_turns(u);
     BoundRow::visit(bounds, u, true);
     let wanted = core::array::from_fn(|i| locks[i].wanted(true));
@@ -74,6 +76,32 @@ pub(super) fn relaxed<const N: usize>(
         mean.apply(u, x);
         link.note_turn(row, mean, x);
     }
+    if link.leaps == 0 {
+        return;
+    }
+    // The matrix is that of the axes of now, the impulses act along the mean ones: once more where that is what is
+    // left of the error.
+    let (leaps, before) = (lanes_of(link.leaps), u.all());
+    let x = solve_locks(u, locks, [Lane::ZERO; N]);
+    for ((row, mean), x) in locks.iter_mut().zip(means).zip(x) {
+        let x = row.add(leaps.keep(x));
+        mean.apply(u, x);
+    }
+    u.keep(leaps, before);
+}
+
+/// The velocities of joints that leap fit again after the rest of the push.
+pub(super) fn leap<const N: usize>(
+    u: &mut Velocities,
+    (link, locks): (&JointLink, &mut [LockRow; N]),
+    counts: bool,
+) {
+    let (leaps, before) = (lanes_of(link.leaps), u.all());
+    let x = solve_locks(u, locks, [Lane::ZERO; N]);
+    for (row, x) in locks.iter_mut().zip(x) {
+        row.leap(u, leaps.keep(x), counts);
+    }
+    u.keep(leaps, before);
 }
 
 /// What an impulse of 1 changes.
@@ -170,6 +198,18 @@ fn top_way(
 }
 
 impl JointLink {
+    /// Forgets the impulses of the substep before where the bodies leap alone.
+    #[inline(always)]
+    fn begin(&mut self, locks: &mut [LockRow]) {
+        if self.leaps != 0 && self.turns != 0 {
+            let (leaps, zero) = (lanes_of(self.leaps), Lane::ZERO);
+            let none = |v: LaneVec| leaps.select_vec(LaneVec::ZERO, v);
+            locks.iter_mut().for_each(|row| row.impulse = leaps.select(zero, row.impulse));
+            self.turn_push = none(self.turn_push);
+            (self.turn_a, self.turn_b) = (none(self.turn_a), none(self.turn_b));
+        }
+    }
+
     /// Applies what the new axes change of the warm start, once.
     #[inline(always)]
     pub(super) fn take_turns(&mut self, u: &mut Velocities) {
@@ -208,6 +248,13 @@ impl LockRow {
         // Immovable bodies have no nudges: their motion is in the velocities.
         let back = (self.error * self.rate).least(most).greatest(-most);
         back + self.ways.direction.dot(curvature) - self.ways.drift
+    }
+
+    /// Applies an impulse that counts as one of the substep, or does not.
+    #[inline(always)]
+    pub(super) fn leap(&mut self, u: &mut Velocities, x: Lane, counts: bool) {
+        let x = if counts { self.add(x) } else { x.finite() };
+        self.ways.apply(u, x);
     }
 
     /// Adds to the impulse; returns by how much it changes.
