@@ -123,7 +123,7 @@ pub(crate) fn step<E: Executor, S: Scheduler>(
     events::contacts(state, scratch, &mut counts);
     observer.after(Stage::Narrowphase, &StageView::new(state));
     crew.executor.enter(Stage::Islands);
-    let links = activate(state, (cache, scratch), settings, &mut crew);
+    let links = activate(state, (cache, scratch), (settings, change.any), &mut crew);
     observer.after(Stage::Islands, &StageView::new(state));
     crew.executor.enter(Stage::Ordering);
     let plan = ordering::run(state, (cache, scratch), (&change, links, settings), scheduler);
@@ -192,7 +192,7 @@ fn solve<E: Executor>(
 fn activate<E: Executor>(
     state: &mut State<'_>,
     (cache, scratch): (&mut Cache<'_>, &mut Scratch<'_>),
-    settings: &Settings,
+    (settings, began): (&Settings, bool),
     crew: &mut Crew<'_, E>,
 ) -> Links {
     let header = &state.header[0];
@@ -207,7 +207,7 @@ fn activate<E: Executor>(
     }
     let contacts = ordering::write_contacts(state, scratch, crew);
     let held = ordering::list_held(state, scratch);
-    refine::run(state, scratch, settings, (contacts, held));
+    refine::run(state, (cache, scratch), settings, (contacts, held, began));
     let loose = ordering::write_joints(state, (cache, scratch), (contacts, held), settings.direct_joints);
     let links = Links { bodies: count, contacts, joints: loose, articulated: held - loose };
     leapfrog::mark(state, (cache, scratch), (links, settings));

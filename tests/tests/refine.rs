@@ -1,11 +1,12 @@
 //! Refinement: small islands under great load have substeps of their own, and nobody else pays for it or sees it.
 
 use cellstep::config::{
-    COARSEN_STEPS, CONTACT_COUPLING, REFINE, REFINE_BODIES, REFINE_STEPS, STATIC_STIFFNESS,
+    COARSEN_STEPS, CONTACT_COUPLING, REFINE, REFINE_BODIES, REFINE_CONTACTS, REFINE_STEPS, STATIC_STIFFNESS,
 };
 use cellstep::math::Vec3;
 use cellstep::{
-    AxisMotion, BodyDef, BodyHandle, Capacities, Geometry, JointDef, Position, Serial, Settings, ShapeDef,
+    AxisMotion, BodyDef, BodyHandle, BodyKind, Capacities, Geometry, JointDef, Position, Serial, Settings,
+    ShapeDef,
 };
 use cellstep_tests::executors::Shuffled;
 use cellstep_tests::jointed::at;
@@ -72,6 +73,98 @@ fn an_island_is_refined_while_its_load_is_great() {
     let (up, still) = (center(&world, light)[2] - rest[2], center(&world, alone)[2]);
     assert!(up > 0.0 && up < 0.01, "{up}");
     assert!((center(&world, light)[2] - still).abs() < 1.0e-4, "it lies like the other one");
+}
+
+#[test]
+fn an_island_that_begins_at_rest_is_refined_at_once_and_let_go() {
+    let mut world = empty();
+    column(&mut world, 9.0, 2);
+    // So light that neither contact sinks enough.
+    for (i, density) in [1000.0, 10.0, 10.0].into_iter().enumerate() {
+        cube(&mut world, Vec3::new(0.0, 0.0, 0.5 + i as f32), density);
+    }
+    assert_eq!(refined(&mut world), 3, "three and not two");
+    run(&mut world, COARSEN_STEPS as u32);
+    assert_eq!(refined(&mut world), 0);
+    // What is put on them is no island of its own.
+    cube(&mut world, Vec3::new(9.0, 0.0, 2.5), 1000.0);
+    assert_eq!(refined(&mut world), 0);
+}
+
+#[test]
+fn an_island_begins_whatever_else_there_is() {
+    let mut world = world_with(Capacities::for_bodies(1200));
+    ground(&mut world, 0.6);
+    for i in 0..REFINE_CONTACTS + 64 {
+        cube(&mut world, Vec3::new((i % 40) as f32 * 2.0, (i / 40) as f32 * 2.0 + 4.0, 0.5), 1000.0);
+    }
+    run(&mut world, REFINE_STEPS as u32 + 2);
+    assert_eq!(refined(&mut world), 0, "cubes that lie alone");
+    column(&mut world, 0.0, 3);
+    assert_eq!(refined(&mut world), 3, "between two looks at the loads");
+}
+
+#[test]
+fn what_falls_is_not_refined_before_it_bears_a_load() {
+    for gap in [0.0, 0.005, 0.05] {
+        let mut world = empty();
+        for (x, cubes) in [(0.0, 2), (9.0, 10)] {
+            for i in 0..cubes {
+                let height = 0.5 + 0.05 + i as f32 * (1.0 + gap);
+                cube(&mut world, Vec3::new(x, 0.0, height), 1000.0);
+            }
+        }
+        // A fall of 50 mm takes 6 steps.
+        (0..6).for_each(|step| assert_eq!(refined(&mut world), 0, "step {step} of the fall"));
+        run(&mut world, 2 * COARSEN_STEPS as u32);
+        assert_eq!(refined(&mut world), 10, "the tall one only, gaps of {gap}");
+    }
+}
+
+#[test]
+fn a_row_that_waits_for_a_blow_is_not_refined() {
+    let mut world = empty();
+    let mut ball = |x: f32, speed: f32| {
+        let def = BodyDef {
+            position: Position::at(Vec3::new(x, 0.0, 0.25)),
+            linear_velocity: Vec3::X * speed,
+            ..BodyDef::default()
+        };
+        let shape =
+            ShapeDef { restitution: 1.0, friction: 0.0, ..ShapeDef::new(Geometry::Sphere { radius: 0.25 }) };
+        add(&mut world, &def, &shape);
+    };
+    (0..5).for_each(|i| ball(0.5 * i as f32, 0.0));
+    ball(-1.5, 4.0);
+    // It takes 15 steps to come.
+    (0..14).for_each(|step| assert_eq!(refined(&mut world), 0, "step {step}"));
+}
+
+/// Blocks on a table's edge, each as far out as the harmonic series allows, times `share`. True when they stand for
+/// a minute.
+fn hang_over(count: u8, share: f32) -> bool {
+    let mut world = empty();
+    let table = world.create_body(&BodyDef::new(BodyKind::Static, Vec3::new(-2.0, 0.0, 2.5))).expect("room");
+    let top = ShapeDef::new(Geometry::Box { half_extents: Vec3::new(2.0, 1.0, 0.5) });
+    world.create_shape(table, &top).expect("room");
+    let (mut x, mut blocks) = (-0.5, Vec::new());
+    for i in 0..count {
+        x += share * 0.5 / f32::from(count - i);
+        let place = Vec3::new(x, 0.0, 3.1 + 0.2 * f32::from(i));
+        let block = ShapeDef::new(Geometry::Box { half_extents: Vec3::new(0.5, 0.25, 0.1) });
+        blocks.push(add(&mut world, &BodyDef::new(BodyKind::Dynamic, place), &block).0);
+    }
+    run(&mut world, 3600);
+    let fallen = 3.1 + 0.2 * f64::from(count - 1) - center(&world, blocks[usize::from(count) - 1])[2];
+    fallen.abs() < 0.02
+}
+
+#[test]
+fn blocks_hang_over_within_a_hundredth_of_balance() {
+    for count in 2..=6 {
+        assert!(hang_over(count, 0.99), "{count} blocks");
+        assert!(!hang_over(count, 1.01), "{count} blocks");
+    }
 }
 
 #[test]
@@ -160,6 +253,12 @@ fn bits_do_not_depend_on_executors_or_caches() {
     let mut shuffled = Shuffled::new(7);
     let mut counts = Vec::new();
     for step in 0..240 {
+        if step == 101 {
+            // An island that begins at rest.
+            for world in [&mut one, &mut two, &mut three] {
+                column(world, -9.0, 4);
+            }
+        }
         counts.push(refined(&mut one));
         two.step(&mut shuffled);
         assert!(one.state() == two.state(), "step {step}: another order of tasks");
@@ -176,6 +275,7 @@ fn bits_do_not_depend_on_executors_or_caches() {
 fn a_restore_brings_the_tiers_back() {
     let mut world = busy();
     run(&mut world, 50);
+    column(&mut world, -9.0, 4);
     let early = snapshot(&world);
     let mut states = Vec::new();
     for _ in 0..120 {

@@ -3,7 +3,7 @@
 //! Each phase's blocks are dealt to *groups* of eight *chains*, one chain for each lane; a group is a task. Row
 //! `k` of a group holds the `k`-th link of each of its chains. Blocks of a phase share no dynamic body, so the
 //! lanes never meet; and a block's links keep their order, so neither the dealing nor the number of lanes changes
-//! a bit.
+//! a bit. Few links are spread over the lanes in another way (`layout/contacts.rs`), to the same bits.
 //!
 //! Joints come before contacts, and have rows of their own, in which all lanes have the same signature; a lane
 //! whose chain has no such joint left is empty there.
@@ -11,6 +11,7 @@
 //! Bodies that are refined, and their links, make a *tier* of their own, with phases of its own: it is solved after
 //! the others, in more substeps. The first phases of both tiers come first, so that all movers lie in a row.
 
+mod contacts;
 mod joints;
 
 use crate::cells::{Block, IMMOVABLE, Link, PHASES_MAX};
@@ -220,6 +221,8 @@ pub(crate) struct Tables<'a> {
     pub first_seats: &'a mut [u32],
     /// Chain of each block.
     pub block_chains: &'a mut [u32],
+    /// Row after the last one that has a body.
+    pub body_rows: &'a mut [u32],
 }
 
 /// Lays out a schedule. Seats, rows and points come phase by phase, group by group.
@@ -276,6 +279,7 @@ fn lay_out_phase(
     let group_count = links.div_ceil(GROUP_LINKS).min(blocks.len().div_ceil(LANES)).min(LINK_GROUPS_MAX);
     let mut loads = deal(blocks, group_count, tables.block_chains);
     let joints = list_joints(schedule, blocks, tables, &mut loads);
+    let by_levels = contacts::are_sparse(&loads, group_count);
     for g in 0..group_count {
         let rows = loads[g * LANES..(g + 1) * LANES].iter().copied().max().unwrap_or(0);
         tables.groups[plan.groups] =
@@ -284,7 +288,14 @@ fn lay_out_phase(
         plan.groups += 1;
         plan.rows += rows as usize;
     }
-    place(schedule, blocks, tables, first_group);
+    if by_levels {
+        let group = tables.groups[first_group];
+        let rows = contacts::place_by_levels(schedule, blocks, tables, group.first_row);
+        tables.groups[first_group].rows = rows;
+        plan.rows = (group.first_row + rows) as usize;
+    } else {
+        contacts::place(schedule, blocks, tables, first_group);
+    }
     place_joints(schedule, tables, (plan, first_group), joints);
     for g in first_group..plan.groups {
         seat_group(schedule, tables, (plan, g), first_seat as u32);
@@ -342,26 +353,6 @@ fn sink(heap: &mut [(u32, u32)], entry: (u32, u32)) {
         at = next;
     }
     heap[at] = entry;
-}
-
-/// Writes each contact to its row and lane. Links and contacts have the same indices.
-fn place(schedule: &Schedule<'_>, blocks: &[Block], tables: &mut Tables<'_>, first_group: usize) {
-    let mut lengths = [0_u32; LINK_GROUPS_MAX * LANES];
-    for (i, block) in blocks.iter().enumerate() {
-        let chain = tables.block_chains[i] as usize;
-        let (group, lane) = (chain / LANES, chain % LANES);
-        let first_row = tables.groups[first_group + group].first_row;
-        for k in block.first..block.first + block.count {
-            let link = schedule.order[k as usize];
-            if link >= schedule.contacts {
-                continue;
-            }
-            let row = first_row + lengths[chain];
-            lengths[chain] += 1;
-            tables.lane_contacts[row as usize][lane] = link;
-            tables.contact_places[link as usize] = row * LANES as u32 + lane as u32;
-        }
-    }
 }
 
 /// Gives the lanes of a group their scratch seats, and every body of the group a seat, in the order of the rows.

@@ -290,6 +290,7 @@ fn lay_out(
         phase_seats: scratch.phase_seats,
         first_seats: cache.first_seats,
         block_chains: scratch.block_chains,
+        body_rows: scratch.body_rows,
     };
     layout::lay_out(&schedule, &mut tables)
 }

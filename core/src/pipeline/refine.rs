@@ -6,8 +6,13 @@
 //! substeps, and contacts that are stiffer by the square of it. Large islands stay as they are: for those the dial
 //! is the substeps of all.
 //!
+//! An island that begins at rest has no loads yet, and is refined at once if a stack of as many bodies would stay
+//! so (`refine/begins.rs`), until its loads say otherwise.
+//!
 //! Which bodies are refined is state. It is looked at every few steps, and whenever something refined touches
 //! something that is not: an island has one tier. Impulses are those of a substep, and go along with its length.
+
+mod begins;
 
 use crate::body::BodyRow;
 use crate::cells::{IMMOVABLE, Link};
@@ -17,7 +22,8 @@ use crate::math::PI;
 use crate::pipeline::layout::{REFINED, TIERS};
 use crate::pipeline::sleep::{root, unite};
 use crate::pool::{is_used, iterate};
-use crate::state::{ContactRow, Scratch, State};
+use crate::state::{Cache, ContactRow, Scratch, State};
+use begins::bodies_that_sink;
 
 /// Marks of islands: a contact sinks enough for the island to be refined.
 const SINKS: u8 = 1;
@@ -27,6 +33,15 @@ const STILL_SINKS: u8 = 2;
 const WAS_REFINED: u8 = 4;
 /// Of a body: its tier changes.
 const CHANGES: u8 = 8;
+/// Of islands: a body stands on another since this step.
+const BEGINS: u8 = 16;
+/// Something touches an immovable body since this step.
+const STANDS: u8 = 32;
+/// A contact was there before, or a body moves.
+const WENT_ON: u8 = 64;
+
+/// Share of the sink from which on an island is refined for it to stay so.
+const STAYS: f32 = 0.5;
 
 /// The tier of a dynamic body.
 #[inline]
@@ -34,13 +49,13 @@ pub(crate) fn tier_of(state: &State<'_>, slot: u32) -> usize {
     if state.header[0].refine != 0 && is_used(state.refined, slot) { REFINED } else { 0 }
 }
 
-/// Brings the tiers to the loads of the step before. The scratch has the links of the step, of so many contacts and
-/// of joints that hold something.
+/// Brings the tiers to the loads of the step before, and to what begins. The scratch has the links of the step, of
+/// so many contacts and of joints that hold something; `began` says whether contacts did.
 pub(crate) fn run(
     state: &mut State<'_>,
-    scratch: &mut Scratch<'_>,
+    (cache, scratch): (&Cache<'_>, &mut Scratch<'_>),
     settings: &Settings,
-    (contacts, held): (usize, usize),
+    (contacts, held, began): (usize, usize, bool),
 ) {
     let before = state.header[0].refine;
     if settings.refine == 1 && before == 0 {
@@ -53,18 +68,21 @@ pub(crate) fn run(
         let links = scratch.slot_links[..contacts].iter().chain(&scratch.held_links[..held]);
         before != 0 && links.clone().any(|link| crosses(state, link))
     };
-    if !is_due && !crosses() {
+    let looks = is_due || crosses();
+    if !looks && !began {
         return;
     }
     let high = state.header[0].bodies.high as usize;
     scratch.marks[..high].fill(0);
-    let sinks = mark_loads(state, scratch, settings, if substeps == 0 { 0 } else { contacts });
-    if !sinks && before == 0 {
+    let sinks = looks && mark_loads(state, scratch, settings, if substeps == 0 { 0 } else { contacts });
+    let begins = began && substeps != 0 && begins::mark(state, (cache, scratch), settings, contacts);
+    if !begins && !(looks && (sinks || before != 0)) {
         return;
     }
     unite_all(state, scratch, (contacts, held));
     let stays = !state.header[0].step.is_multiple_of(COARSEN_STEPS);
-    let any = decide(state, scratch, (if substeps == 0 { 0 } else { settings.refine_bodies }, stays));
+    let most = if substeps == 0 { 0 } else { settings.refine_bodies };
+    let any = decide(state, scratch, (most, stays, bodies_that_sink(settings)));
     let lengths = [settings.substeps, if substeps == 0 { before } else { substeps }];
     rescale(state, scratch, lengths, (contacts, held));
     for slot in iterate(state.body_used, high as u32) {
@@ -105,7 +123,7 @@ fn mark_loads(
             b => yields(&state.bodies[link.a as usize]) + yields(&state.bodies[b as usize]),
         };
         let sink = impulse * yields * scales[tier_of(state, link.a)];
-        if sink > 0.5 * settings.refine_sink {
+        if sink > STAYS * settings.refine_sink {
             let enough = sink > settings.refine_sink;
             let lasts = enough && is_used(state.loaded, link.a);
             scratch.loaded_now[link.a as usize / 64] |= u64::from(enough) << (link.a % 64);
@@ -135,9 +153,9 @@ fn unite_all(state: &State<'_>, scratch: &mut Scratch<'_>, (contacts, held): (us
     }
 }
 
-/// Marks the bodies whose tier changes: islands of so many bodies at most are refined, and those that are stay so
-/// if `stays`. True when some body is refined from now on.
-fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, bool)) -> bool {
+/// Marks the bodies whose tier changes: islands of so many bodies at most are refined, those that are stay so if
+/// `stays`, and those that begin have `enough` bodies. True when some body is refined from now on.
+fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays, enough): (u32, bool, f32)) -> bool {
     let high = state.header[0].bodies.high;
     let is_active = |slot: u32| state.bodies[slot as usize].is_active();
     for slot in iterate(state.body_used, high).filter(|&slot| is_active(slot)) {
@@ -154,8 +172,9 @@ fn decide(state: &State<'_>, scratch: &mut Scratch<'_>, (bodies, stays): (u32, b
             let root = root(scratch.islands, slot) as usize;
             let marks = scratch.marks[root];
             let still = marks & WAS_REFINED != 0 && (stays || marks & STILL_SINKS != 0);
-            let sinks = marks & SINKS != 0 || still;
-            sinks && scratch.island_sizes[root] <= bodies
+            let size = scratch.island_sizes[root];
+            let begins = marks & (BEGINS | STANDS | WENT_ON) == BEGINS | STANDS && size as f32 >= enough;
+            (marks & SINKS != 0 || still || begins) && size <= bodies
         } else {
             was && bodies > 0 && state.bodies[slot as usize].is_dynamic()
         };

@@ -212,6 +212,8 @@ region! {
         row_points: u32 = c.contacts as usize,
         /// Chain of each block of the phase that is laid out.
         block_chains: u32 = links_max(c),
+        /// Row after the last one that has a body, by active body.
+        body_rows: u32 = c.bodies as usize,
         /// The body's seat in the phase that is laid out, by active body.
         phase_seats: u32 = c.bodies as usize,
         /// Where fast bodies, kinematic ones and those that changed their sector were before the step, by slot.
