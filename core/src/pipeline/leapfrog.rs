@@ -87,7 +87,7 @@ pub(crate) fn mark(
 }
 
 /// The marks of a step that has joints.
-pub(crate) fn in_use<'a>(marks: &'a [u32], links: Links) -> &'a [u32] {
+pub(crate) fn in_use(marks: &[u32], links: Links) -> &[u32] {
     if links.held() > 0 { marks } else { &[] }
 }
 
