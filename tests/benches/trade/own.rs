@@ -139,6 +139,28 @@ fn leave_out_twins(named: &mut Vec<(String, Settings, Option<Preset>)>) {
     });
 }
 
+/// The knobs of contacts.
+fn sweep_contacts((balanced, plain): (Settings, Settings), add: &mut impl FnMut(String, Settings)) {
+    for contact_frequency in [15.0, 30.0, 60.0] {
+        add(format!("{contact_frequency} Hz"), Settings { contact_frequency, ..balanced });
+    }
+    let contact_damping_ratio = 2.0;
+    add("damping 2".to_string(), Settings { contact_damping_ratio, ..balanced });
+    add("rigid".to_string(), Settings { contact_model: ContactModel::Rigid, ..balanced });
+    add("not refined".to_string(), plain);
+    add("per-point friction".to_string(), Settings { friction_model: FrictionModel::Points, ..balanced });
+    add("manifolds anew".to_string(), Settings { manifold_drift: 0.0, ..balanced });
+    for refine in [2, 8] {
+        add(format!("refined by {refine}"), Settings { refine, ..balanced });
+    }
+    let stiff = Settings { substeps: 2, contact_frequency: 30.0, continuous: false, ..plain };
+    add("2 substeps, 30 Hz, not continuous".to_string(), stiff);
+    for substeps in [1, 2, 4, 6, 12, 32] {
+        let settings = Settings { substeps, contact_model: ContactModel::Split, ..plain };
+        add(format!("split, {substeps} substeps"), settings);
+    }
+}
+
 /// The presets, then what differs from `balanced` in one setting, then split contacts at more and fewer substeps
 /// without refinement.
 /// What is the same as one before is left out, and so is what cannot matter in the scene.
@@ -185,22 +207,7 @@ pub fn configs(kind: Kind) -> Vec<Config> {
         }
     }
     if kind.has_contacts() {
-        for contact_frequency in [15.0, 30.0, 60.0] {
-            add(format!("{contact_frequency} Hz"), Settings { contact_frequency, ..balanced });
-        }
-        let contact_damping_ratio = 2.0;
-        add("damping 2".to_string(), Settings { contact_damping_ratio, ..balanced });
-        add("rigid".to_string(), Settings { contact_model: ContactModel::Rigid, ..balanced });
-        add("not refined".to_string(), plain);
-        add("per-point friction".to_string(), Settings { friction_model: FrictionModel::Points, ..balanced });
-        add("manifolds anew".to_string(), Settings { manifold_drift: 0.0, ..balanced });
-        for refine in [2, 8] {
-            add(format!("refined by {refine}"), Settings { refine, ..balanced });
-        }
-        for substeps in [1, 2, 4, 6, 12, 32] {
-            let settings = Settings { substeps, contact_model: ContactModel::Split, ..plain };
-            add(format!("split, {substeps} substeps"), settings);
-        }
+        sweep_contacts((balanced, plain), &mut add);
     }
     leave_out_twins(&mut named);
     let config = |(name, settings, preset): (String, Settings, Option<Preset>)| Config {
