@@ -109,7 +109,8 @@ macro_rules! region {
                 Self { $($field,)* bytes: offset }
             }
 
-            /// A slice for every section.
+            /// A slice for every section. Written where it is used: a copy of it is some kilobytes.
+            #[inline(always)]
             pub fn view<'a>(&self, region: &'a mut [u8]) -> $view<'a> {
                 let mut rest = region;
                 $( let $field = self.$field.cut(&mut rest); )*

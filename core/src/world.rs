@@ -327,8 +327,9 @@ impl<M: AsRef<[Line]> + AsMut<[Line]>> World<M> {
     }
 
     /// All regions at once; the assets read-only.
+    #[inline(always)]
     fn regions(&mut self) -> Regions<'_> {
-        let layout = self.layout;
+        let layout = &self.layout;
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(self.memory.as_mut());
         let (assets, rest) = bytes.split_at_mut(layout.assets.bytes);
         let (state, rest) = rest.split_at_mut(layout.state.bytes);

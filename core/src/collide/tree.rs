@@ -23,6 +23,8 @@ use crate::math::{Aabb, Vec3, max, max_each, min_each};
 
 /// Children of a box.
 const WIDTH: usize = 4;
+/// So many leaves are as soon found in any order, and stand in that of their ids.
+const FEW: usize = WIDTH * WIDTH;
 /// Centers farther out than this do not widen the curve, metres. They go to its ends.
 const FAR: f32 = 1.0e8;
 /// More levels than any tree can have: 4^16 leaves.
@@ -75,7 +77,11 @@ pub fn build(
         keys[count] = u64::from(id);
         count += 1;
     }
-    sort_along_curve(boxes, &bounds, id_max, &mut keys[..count]);
+    if count > FEW {
+        sort_along_curve(boxes, &bounds, id_max, &mut keys[..count]);
+    } else {
+        keys[..count].sort_unstable();
+    }
     let id_mask = id_mask(id_max);
     for (slot, key) in order[..count].iter_mut().zip(&keys[..count]) {
         *slot = (key & id_mask) as u32;

@@ -144,8 +144,11 @@ fn sweep_contacts((balanced, plain): (Settings, Settings), add: &mut impl FnMut(
     for contact_frequency in [15.0, 30.0, 60.0] {
         add(format!("{contact_frequency} Hz"), Settings { contact_frequency, ..balanced });
     }
-    let contact_damping_ratio = 2.0;
-    add("damping 2".to_string(), Settings { contact_damping_ratio, ..balanced });
+    for contact_damping_ratio in [2.0, 20.0] {
+        add(format!("damping {contact_damping_ratio}"), Settings { contact_damping_ratio, ..balanced });
+    }
+    let calm = Settings { substeps: 64, contact_damping_ratio: 20.0, ..plain };
+    add("64 substeps, damping 20".to_string(), calm);
     add("rigid".to_string(), Settings { contact_model: ContactModel::Rigid, ..balanced });
     add("not refined".to_string(), plain);
     add("per-point friction".to_string(), Settings { friction_model: FrictionModel::Points, ..balanced });
