@@ -16,7 +16,7 @@ use crate::pipeline::meeting::{frame_words, reach_radius};
 use crate::pipeline::tasks::{Crew, TASKS_MAX, Tasks, chunk, push};
 use crate::pipeline::{Counts, solid};
 use crate::pool::is_used;
-use crate::shape::{BOX_STALE, ShapeRow};
+use crate::shape::{BOX_STALE, GEOMETRY_BOX, GEOMETRY_HULL, ShapeRow};
 use crate::state::{AssetTables, Cache, ContactRow, PAIRS_DROPPED, Pair, Reach, Scratch, State};
 
 /// Marks a shape that left its box, or was changed.
@@ -125,9 +125,13 @@ fn place_stances(state: &State<'_>, scratch: &mut Scratch<'_>) {
     }
 }
 
-/// The frame of a shape in its body's stance; `frame` is that in its orientation.
+/// The frame of a shape in its body's stance; `frame` is that in its orientation, which serves for shapes whose
+/// contacts never settle.
 #[inline(always)]
 fn stance_of(shape: &ShapeRow, body: &BodyRow, frame: Words) -> Words {
+    if !matches!(shape.kind, GEOMETRY_BOX | GEOMETRY_HULL) {
+        return frame;
+    }
     match Rotation::unpack(body.stance) {
         Some(rotation) if body.is_dynamic() => frame_words(&turned_frame(rotation, body, &shape.pose)),
         _ => frame,
