@@ -270,8 +270,15 @@ impl Rotation {
         Self::new(-self.x, -self.y, -self.z, self.w)
     }
 
-    /// `self` after `first`: `(self * first)` applied to `v` is `self` of `first` of `v`. Parts below 2^-56 are 0:
-    /// turns that small are nothing, and their squares are slow.
+    /// With parts below 2^-56 as 0: turns that small are nothing, and their squares are slow.
+    #[inline(always)]
+    pub(crate) fn flushed(self) -> Self {
+        let parts = f32x4::new([self.x, self.y, self.z, self.w]);
+        let [x, y, z, w] = parts.abs().simd_lt(f32x4::splat(FLUSH)).bitselect(f32x4::ZERO, parts).to_array();
+        Self::new(x, y, z, w)
+    }
+
+    /// `self` after `first`: `(self * first)` applied to `v` is `self` of `first` of `v`.
     #[inline]
     pub fn after(self, first: Self) -> Self {
         // w (x, y, z, w) + x (w, -z, y, -x) + y (z, w, -x, -y) + z (-y, x, w, -z): four sums side by side.
@@ -283,7 +290,7 @@ impl Rotation {
         let by_y = f32x4::new([b.z, b.w, b.x, b.y]) ^ signs([1.0, 1.0, -1.0, -1.0]);
         let by_z = f32x4::new([b.y, b.x, b.w, b.z]) ^ signs([-1.0, 1.0, 1.0, -1.0]);
         let sum = a_w * f32x4::new([b.x, b.y, b.z, b.w]) + a_x * by_x + a_y * by_y + a_z * by_z;
-        let [x, y, z, w] = sum.abs().simd_lt(f32x4::splat(FLUSH)).bitselect(f32x4::ZERO, sum).to_array();
+        let [x, y, z, w] = sum.to_array();
         Self::new(x, y, z, w)
     }
 

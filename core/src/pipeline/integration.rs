@@ -221,12 +221,18 @@ impl LaneRotation {
         Self { imaginary: turn.times(s), real: c }
     }
 
-    /// `self` after `first`; small parts are 0, as in [`Rotation::after`].
+    /// With small imaginary parts as 0: see [`Rotation::flushed`].
+    #[inline(always)]
+    pub fn flushed(self) -> Self {
+        Self { imaginary: self.imaginary.flushed(), real: self.real }
+    }
+
+    /// `self` after `first`.
     #[inline(always)]
     pub fn after(self, first: Self) -> Self {
         let (a, b) = (self.imaginary, first.imaginary);
         Self {
-            imaginary: (b.times(self.real) + a.times(first.real) + a.cross(b)).flushed(),
+            imaginary: b.times(self.real) + a.times(first.real) + a.cross(b),
             real: self.real * first.real - a.dot(b),
         }
     }

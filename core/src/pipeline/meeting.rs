@@ -113,7 +113,7 @@ fn overlap(a: &Reach, b: &Reach, shift: Vec3) -> bool {
 pub(crate) fn relative(frame_a: &Pose, frame_b: &Pose, centers: Vec3) -> Pose {
     Pose::new(
         frame_a.untransform(frame_b.position + centers),
-        frame_a.rotation.inverse().after(frame_b.rotation),
+        frame_a.rotation.inverse().after(frame_b.rotation).flushed(),
     )
 }
 
@@ -193,7 +193,7 @@ impl Meeting {
 
     /// True when the pose is still within the drift of a settled contact with this base.
     pub fn is_near(&self, base: &Pose, (a, b): (Radius, Radius), drift: f32) -> bool {
-        let turn = self.b_in_a.rotation.after(base.rotation.inverse());
+        let turn = self.b_in_a.rotation.after(base.rotation.inverse()).flushed();
         // The motion of the smaller shape's middle in the frame of the larger one.
         let (radius, way) = if b.squared <= a.squared {
             (b.squared, self.b_in_a.position - base.position)

@@ -220,7 +220,7 @@ impl MoverRow {
             let vector = root_times(&self.turn, whole.vector()).times(self.whitening);
             turned = tops.select_vec(vector, turned);
         }
-        self.frame = rotation.after(self.frame).renormalized();
+        self.frame = rotation.after(self.frame).flushed().renormalized();
         turned
     }
 
@@ -352,7 +352,8 @@ impl MoverRow {
     /// Motion of a body's center in the step, metres, and its orientation.
     pub fn outcome(&self, lane: usize, (active, row): (&Active, &BodyRow)) -> (Vec3, Rotation) {
         let frame = self.frame.get(lane);
-        let rotation = if is_top(row) { frame.after(frame_axes(active, row).inverse()) } else { frame };
+        let rotation =
+            if is_top(row) { frame.after(frame_axes(active, row).inverse()).flushed() } else { frame };
         (self.displacement.get(lane), rotation.normalized())
     }
 

@@ -184,7 +184,7 @@ pub fn configs(kind: Kind) -> Vec<Config> {
     let least = Settings { substeps: 1, continuous: false, refine: 1, ..balanced };
     add("1 substep, not continuous, 0 relax sweeps".to_string(), Settings { relax_sweeps: 0, ..least });
     add("1 substep, not continuous".to_string(), least);
-    for substeps in [2, 4] {
+    for substeps in [2, 4, 6, 8] {
         add(format!("{substeps} substeps, not continuous"), Settings { substeps, ..least });
     }
     // With so many substeps nothing needs refinement.
