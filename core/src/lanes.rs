@@ -131,10 +131,11 @@ impl Lane {
         Self(self.0.abs().simd_lt(f32x8::splat(FLUSH)).bitselect(f32x8::ZERO, self.0))
     }
 
-    /// `self` where it is finite and above [`FLUSH`], else 0: an impulse that can only push.
+    /// `self` where it is finite and above 1e-18, else 0: an impulse that can only push. What carries bodies of
+    /// picograms is not cut off.
     #[inline(always)]
     pub fn pushing(self) -> Self {
-        self.greater(Self::splat(FLUSH)).and(self.less(Self::splat(f32::INFINITY))).keep(self)
+        self.greater(Self::splat(1.0e-18)).and(self.less(Self::splat(f32::INFINITY))).keep(self)
     }
 }
 

@@ -378,8 +378,8 @@ impl<'a> Line<'a> {
         let free = u.ma + u.mb;
         let mut speed = n.dot(u.vb - u.va);
         if locked {
-            // An impulse across the normal gives no speed along it, unless some axes are locked.
-            speed = speed + n.dot(across.each_times(free));
+            // An impulse across the normal gives speed along it where axes are locked; else only rounding would.
+            speed = u.are_locked().select(speed + n.dot(across.each_times(free)), speed);
         }
         let yields = n.dot(n.each_times(free));
         Self { u, speed, yields, sum: Lane::ZERO, across }

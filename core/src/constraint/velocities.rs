@@ -92,6 +92,12 @@ impl Velocities {
         self.rest_a[0] + self.rest_b[0]
     }
 
+    /// Where one of the bodies does not move along some axis.
+    #[inline(always)]
+    pub fn are_locked(&self) -> Mask {
+        (self.rest_a[1] + self.rest_b[1]).greater(Lane::ZERO)
+    }
+
     /// Rate of the row with direction `d` and jacobians `ja`, `jb`.
     #[inline(always)]
     pub fn rate(&self, d: LaneVec, ja: LaneVec, jb: LaneVec) -> Lane {

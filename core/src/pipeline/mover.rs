@@ -177,7 +177,7 @@ impl MoverRow {
         if !slow.and(turn.dot(turn).less(self.turn_max)).all() {
             self.cap(seats, (substep, u32::MAX));
             (v, whitened) = velocities(seats);
-            turn = root_times(&self.turn, whitened);
+            turn = root_times(&self.turn, whitened).flushed();
         }
         if self.slender != 0 {
             turn = swung((self.axis, self.view), turn);
