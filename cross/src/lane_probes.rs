@@ -5,7 +5,7 @@
 
 use crate::Probe;
 use crate::hash;
-use crate::lanes::{LANES, Lane, LaneVec, Mask, Words, transpose, transpose_back};
+use crate::lanes::{FLUSH, LANES, Lane, LaneVec, Mask, Words, transpose, transpose_back};
 use crate::math::Vec3;
 use crate::numbers::Numbers;
 use cellstep_core::math;
@@ -48,7 +48,10 @@ pub(crate) const ALL: [Probe; 19] = [
         name: "lane-finite",
         value: || binary(|a, _| a.finite(), |a, _| if a.is_finite() { a } else { 0.0 }),
     },
-    Probe { name: "lane-flush", value: || binary(|a, _| a.flushed(), |a, _| (a + 1.0e-18) - 1.0e-18) },
+    Probe {
+        name: "lane-flush",
+        value: || binary(|a, _| a.flushed(), |a, _| if a > -FLUSH && a < FLUSH { 0.0 } else { a }),
+    },
     Probe {
         name: "lane-push",
         value: || binary(|a, _| a.pushing(), |a, _| if a > 1.0e-18 && a.is_finite() { a } else { 0.0 }),
