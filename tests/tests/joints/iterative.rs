@@ -1,5 +1,6 @@
 //! Joints visited one by one, instead of those that hang together at once.
 
+use super::chain_of_rods;
 use cellstep::math::{Pose, Rotation, Vec3, length, max};
 use cellstep::{BodyHandle, JointDef, JointHandle, Serial, Settings};
 use cellstep_tests::jointed::{Bar, about_y, at, ball, force, gap, jointed, massive, weightless};
@@ -14,20 +15,9 @@ fn hold(world: &mut OwnedWorld, direct_joints: bool) {
     world.set_settings(&settings).expect("in range");
 }
 
-/// Rods of 1 kg and 1 m in a chain from the origin: along x, or hanging. Their joints are plain balls or hinges.
+/// Six rods from the origin: along x, or hanging.
 fn chain(substeps: u32, along: Vec3, is_hinge: bool) -> (OwnedWorld, Vec<BodyHandle>, Vec<JointHandle>) {
-    let (mut world, base) = jointed(LINKS as u32, LINKS as u32, substeps);
-    let (mut bodies, mut joints) = (Vec::new(), Vec::new());
-    let mut before = (base, Pose::new(Vec3::ZERO, about_y()));
-    for link in 0..LINKS {
-        let bar = Bar::new(&mut world, along * link as f32, along * (link + 1) as f32);
-        let (ends, frames) = ([before.0, bar.body], [before.1, bar.end(-1.0).1]);
-        let def = if is_hinge { JointDef::hinge(ends, frames) } else { JointDef::ball(ends, frames) };
-        joints.push(world.create_joint(&def).expect("room"));
-        bodies.push(bar.body);
-        before = bar.end(1.0);
-    }
-    (world, bodies, joints)
+    chain_of_rods((LINKS, substeps), along, is_hinge)
 }
 
 #[test]

@@ -1,31 +1,21 @@
 //! Bodies on joints that begin and end a step with half a push: what is left falls with the square of the substep.
 
+use super::chain_of_rods;
 use cellstep::joint::axis::TURN_X;
 use cellstep::math::{Pose, Rotation, Vec3};
 use cellstep::{
     Axis, BodyDef, BodyHandle, BodyKind, Executor, Geometry, JointDef, JointHandle, Pool, Serial, Settings,
     ShapeDef,
 };
-use cellstep_tests::jointed::{Bar, about_y, at, ball, energy, force, jointed, massive, weightless};
+use cellstep_tests::jointed::{about_y, at, ball, energy, force, jointed, massive, weightless};
 use cellstep_tests::oracles::{GRAVITY, center, mass, momenta, norm, velocity};
 use cellstep_tests::simulator::snapshot;
 use cellstep_tests::worlds::{OwnedWorld, add, run};
 
 /// Two rods of 1 m, or one, that hang by a hinge or a ball and are let go at 45 degrees.
 fn pendulum(substeps: u32, rods: usize, is_hinge: bool) -> (OwnedWorld, Vec<BodyHandle>, Vec<JointHandle>) {
-    let (mut world, base) = jointed(rods as u32 + 1, rods as u32, substeps);
     let along = Vec3::new(0.5_f32.sqrt(), 0.0, -(0.5_f32.sqrt()));
-    let (mut bodies, mut joints) = (Vec::new(), Vec::new());
-    let mut before = (base, Pose::new(Vec3::ZERO, about_y()));
-    for rod in 0..rods {
-        let bar = Bar::new(&mut world, along * rod as f32, along * (rod + 1) as f32);
-        let (ends, frames) = ([before.0, bar.body], [before.1, bar.end(-1.0).1]);
-        let def = if is_hinge { JointDef::hinge(ends, frames) } else { JointDef::ball(ends, frames) };
-        joints.push(world.create_joint(&def).expect("room"));
-        bodies.push(bar.body);
-        before = bar.end(1.0);
-    }
-    (world, bodies, joints)
+    chain_of_rods((rods, substeps), along, is_hinge)
 }
 
 /// Places of the last rod after each of so many steps.
